@@ -5,6 +5,8 @@
 ///   whole      g = |f(v)|, nothing outside the bristle: fastest rate times control period 5.7
 ///   level      g = |f(v) - eta1 v|, eta1 v outside, as in machines/biaxial-table.toml: up to 15 on y, v < 0
 ///
+/// level/Together: sixteen machines with other friction in step, with packs and without.
+///
 /// Counters: sim_s_per_s  simulated seconds per second of one core
 ///           deviation_nm largest difference of the contour error at the ticks from a converged run of the peer
 
@@ -15,6 +17,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
 #include <stribeck/friction/table.hpp>
+#include <stribeck/plant/axis_group.hpp>
 #include <stribeck/plant/mechanics.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
@@ -88,7 +91,8 @@ class StribeckDrives {
   }
   [[nodiscard]] double position(std::size_t i) const { return axes_[i].table_position(); }
   void advance(const Vec2& force, double dt) {
-    advance_together(axes_[0], {force[0], 0.0, 0.0}, axes_[1], {force[1], 0.0, 0.0}, dt, substeps_);
+    advance_together(axes_[0], {force[0], 0.0, 0.0}, substeps_, axes_[1], {force[1], 0.0, 0.0}, substeps_,
+                     dt);
   }
 
  private:
@@ -182,6 +186,57 @@ void measure(benchmark::State& state) {
   state.counters["deviation_nm"] = deviation * 1e9;
 }
 
+// ---- sixteen machines in step
+
+/// W1 with level, on machines whose friction differs, each under its own copy of the controller. Per core and machine.
+void together(benchmark::State& state) {
+  constexpr std::size_t kMachines = 16;
+  const W1& w = w1();
+  std::vector<plant::Axis> axes;
+  std::vector<plant::Axis*> members;
+  std::array<double, 2> gain{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t m = 0; m < kMachines; ++m) {
+      plant::AxisParams p = w.machine.axes[i].second.plant;
+      gain[i] = p.force_gain();
+      p.friction.dynamics = w.law;
+      p.friction.steady = w.map(i).scaled(0.8 + 0.4 * static_cast<double>(m) / kMachines);
+      axes.emplace_back(p, w.machine.sample_time, w.map(i).velocity_range[1]);
+    }
+  }
+  for (plant::Axis& a : axes) members.push_back(&a);
+  std::vector<plant::AxisInput> inputs(axes.size());
+  for (auto _ : state) {
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      axes[k].start(w.reference[0].position[k / kMachines], {static_cast<int>(state.range(0)), false, false},
+                    {});
+    plant::AxisGroup group =
+        state.range(1) != 0 ? plant::AxisGroup(members) : plant::AxisGroup(members, nullptr);
+    std::vector<control::Contouring<2>::State> states(kMachines);
+    double worst = 0.0;
+    for (const path::PathPoint<2>& r : w.reference) {
+      for (std::size_t m = 0; m < kMachines; ++m) {
+        const Vec2 position{{axes[m].position(), axes[kMachines + m].position()}};
+        worst = std::max(worst, std::abs(path::contour_error(w.curve, position, r.phi)));
+        const Vec2 force = w.controller.step(states[m], r, position);
+        for (std::size_t i = 0; i < 2; ++i) inputs[i * kMachines + m].command = force[i] / gain[i];
+      }
+      group.step(inputs);
+    }
+    benchmark::DoNotOptimize(worst);
+  }
+  state.counters["sim_s_per_s"] = benchmark::Counter(
+      w.seconds() * kMachines * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+BENCHMARK(together)
+    ->Name("level/Together")
+    ->ArgNames({"substeps", "packs"})
+    ->Args({3, 0})
+    ->Args({3, 1})
+    ->Args({6, 0})
+    ->Args({6, 1})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(measure<StribeckDrives<WholeCurve>, WholeCurve>)
     ->Name("whole/Stribeck")
     ->Arg(2)

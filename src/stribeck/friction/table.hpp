@@ -64,13 +64,19 @@ class Table {
     return t;
   }
 
+  /// Level [N] at distance d from the left edge of a cell with these coefficients.
+  template <Real T>
+  static T cubic(const T& c0, const T& c1, const T& c2, const T& c3, const T& d) noexcept {
+    return (c0 + d * c1) + d * d * (c2 + d * c3);
+  }
+
   /// The cubic of the cell that holds v. Valid for |v'| within a cell's width of it, |v|/64, because it continues smoothly.
   class Near {
    public:
     [[nodiscard]] SteadyParts<double> parts(double v, double) const noexcept {
       const double d = abs(v) * scale_ - left_;
       const auto& c = *cell_;
-      return {(c[0] + d * c[1]) + d * d * (c[2] + d * c[3]), viscous_ * v, 0.0};
+      return {cubic(c[0], c[1], c[2], c[3], d), viscous_ * v, 0.0};
     }
 
    private:
@@ -103,13 +109,27 @@ class Table {
 
   [[nodiscard]] SteadyParts<double> parts(double v, double x) const noexcept { return near(v).parts(v, x); }
 
- private:
-  static constexpr int kCells = kOctaves * kCellsPerOctave + 1;
+  /// How near() finds a cell, for those who look up several tables at a time (plant/packed/): u = |v|·scale; from kHighest on, the
+  /// border; below kLowest, the first cell; otherwise cell (bits of u >> kShift) − kFirst + 1, whose left edge are the bits of u
+  /// without the lowest kShift.
   static constexpr int kShift = 52 - std::countr_zero(static_cast<unsigned>(kCellsPerOctave));
   static constexpr double kLowest = 1.0 / (1 << kOctaves);
-  static constexpr double kAtRest = 1e-12;  ///< close to rest, but with the right sign
   static constexpr double kHighest = 1.0 - 0x1p-53;
   static constexpr std::uint64_t kFirst = std::bit_cast<std::uint64_t>(kLowest) >> kShift;
+  struct Side {
+    const double* cells;   ///< four coefficients of each
+    const double* border;  ///< four coefficients
+    double scale;          ///< [s/m]
+    double viscous;        ///< [N·s/m]
+  };
+  /// side: 0 for v ≥ 0, 1 for v < 0.
+  [[nodiscard]] Side side(std::size_t side) const noexcept {
+    return {cells_[side][0].data(), border_[side].data(), scale_[side], viscous_[side]};
+  }
+
+ private:
+  static constexpr int kCells = kOctaves * kCellsPerOctave + 1;
+  static constexpr double kAtRest = 1e-12;  ///< close to rest, but with the right sign
 
   static constexpr double edge(int k) noexcept {
     return k == 0 ? 0.0 : std::bit_cast<double>((kFirst + static_cast<std::uint64_t>(k - 1)) << kShift);

@@ -64,6 +64,7 @@ class Axis {
   [[nodiscard]] double rate_bound() const;
 
  private:
+  friend class AxisGroup;
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

@@ -13,21 +13,22 @@
 namespace stribeck::plant {
 
 template <class T, std::size_t N>
-constexpr Vec<T, N> along(const Vec<T, N>& y, double h, const Vec<T, N>& k) noexcept {
+constexpr Vec<T, N> along(const Vec<T, N>& y, const T& h, const Vec<T, N>& k) noexcept {
   Vec<T, N> r;
-  for (std::size_t i = 0; i < N; ++i) r[i] = y[i] + T(h) * k[i];
+  for (std::size_t i = 0; i < N; ++i) r[i] = y[i] + h * k[i];
   return r;
 }
 
 /// The caller computes k1 = rhs(y), so that it may inspect it before it chooses how to evaluate the other stages.
 template <class T, std::size_t N, class Rhs>
-Vec<T, N> rk3_step(const Vec<T, N>& y, const Vec<T, N>& k1, double h, const Rhs& rhs) noexcept {
-  const Vec<T, N> k2 = rhs(along(y, 0.5 * h, k1));
+Vec<T, N> rk3_step(const Vec<T, N>& y, const Vec<T, N>& k1, const T& h, const Rhs& rhs) noexcept {
+  const Vec<T, N> k2 = rhs(along(y, T(0.5) * h, k1));
   Vec<T, N> m;
   for (std::size_t i = 0; i < N; ++i) m[i] = T(2.0) * k2[i] - k1[i];
   const Vec<T, N> k3 = rhs(along(y, h, m));
   Vec<T, N> r;
-  for (std::size_t i = 0; i < N; ++i) r[i] = y[i] + T(h / 6.0) * (k1[i] + T(4.0) * k2[i] + k3[i]);
+  const T sixth = h / T(6.0);
+  for (std::size_t i = 0; i < N; ++i) r[i] = y[i] + sixth * (k1[i] + T(4.0) * k2[i] + k3[i]);
   return r;
 }
 

@@ -22,17 +22,10 @@
 
 #include <algorithm>
 #include <stribeck/friction/model.hpp>
+#include <stribeck/plant/drive_equations.hpp>
 #include <stribeck/plant/integrator.hpp>
-#include <stribeck/plant/params.hpp>
 
 namespace stribeck::plant {
-
-/// What acts on a drive during one control period.
-struct Held {
-  double voltage = 0.0;  ///< after the D/A converter and the delay [V]
-  double force = 0.0;    ///< load and noise against +x [N]
-  double cutting = 0.0;  ///< on the table against +x [N]
-};
 
 /// One drive; Map is the steady-state curve, Friction the law over it. kMode: two masses; kLost: with lost motion between them.
 template <class Map, friction::PreSlidingLaw Friction, bool kVoltage, bool kMode, bool kLost = false>
@@ -40,12 +33,13 @@ class Mechanics {
   static_assert(kMode || !kLost, "lost motion is between two masses");
 
  public:
-  static constexpr std::size_t kFriction = 2;
-  static constexpr std::size_t kCurrent = kFriction + friction::Integrated<Friction>::kCount;
-  static constexpr std::size_t kTable = kCurrent + (kVoltage ? 1 : 0);
+  using Equations = DriveEquations<double, friction::Integrated<Friction>::kCount, kVoltage, kMode>;
+  static constexpr std::size_t kFriction = Equations::kFriction;
+  static constexpr std::size_t kCurrent = Equations::kCurrent;
+  static constexpr std::size_t kTable = Equations::kTable;
   static constexpr std::size_t kTableFriction = kTable + 2;
   static constexpr std::size_t kStates =
-      kTable + (kMode ? 2 : 0) + (kLost ? friction::Integrated<Friction>::kCount : 0);
+      Equations::kStates + (kLost ? friction::Integrated<Friction>::kCount : 0);
   using StateVector = Vec<double, kStates>;
 
   Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept
@@ -86,10 +80,10 @@ class Mechanics {
 
   /// The same for two drives at a time. Their chains of arithmetic do not wait for each other, which makes it 1.6 times
   /// faster (bench/).
-  friend void advance_together(Mechanics& a, const Held& held_a, Mechanics& b, const Held& held_b, double dt,
-                               int substeps) noexcept {
-    const int n_a = a.count(dt, substeps);
-    const int n_b = b.count(dt, substeps);
+  friend void advance_together(Mechanics& a, const Held& held_a, int substeps_a, Mechanics& b,
+                               const Held& held_b, int substeps_b, double dt) noexcept {
+    const int n_a = a.count(dt, substeps_a);
+    const int n_b = b.count(dt, substeps_b);
     const int both = std::min(n_a, n_b);
     for (int i = 0; i < both; ++i) {
       a.substep(held_a, dt / n_a);
@@ -97,6 +91,20 @@ class Mechanics {
     }
     for (int i = both; i < n_a; ++i) a.substep(held_a, dt / n_a);
     for (int i = both; i < n_b; ++i) b.substep(held_b, dt / n_b);
+  }
+
+  /// What a step of several drives at a time needs (packed/): values, and the state between two sub-steps.
+  [[nodiscard]] const Equations& equations() const noexcept { return drive_; }
+  [[nodiscard]] const Map& map() const noexcept { return map_; }
+  [[nodiscard]] const Friction& law() const noexcept { return friction_.law(); }
+  [[nodiscard]] StateVector& state() noexcept { return y_; }
+  /// One sub-step of h [s] of a period that began with this level of friction [N], and in which `spare` more sub-steps than counted
+  /// may still be made; returns how many are left.
+  int substep_alone(const Held& held, double h, double level, int spare) noexcept {
+    level_ = level;
+    spare_ = spare;
+    substep(held, h);
+    return spare_;
   }
 
   [[nodiscard]] double drive_position() const noexcept { return y_[0]; }
@@ -133,27 +141,21 @@ class Mechanics {
   /// Fastest rate [1/s] of the equations, without the decay of friction, which advance() itself handles.
   [[nodiscard]] double rate_bound() const noexcept {
     double fastest = std::sqrt(friction_.law().stiffness() / mass_) + friction_.law().damping() / mass_;
-    if constexpr (kVoltage) fastest = std::max(fastest, resistance_ / inductance_);
+    if constexpr (kVoltage) fastest = std::max(fastest, drive_.resistance / drive_.inductance);
     if constexpr (kMode) {
-      const double w2 = spring_ / mass_ + spring_ / table_mass_;
-      fastest = std::max(fastest, std::sqrt(w2) + damper_ / mass_ + damper_ / table_mass_);
+      const double w2 = drive_.spring / mass_ + drive_.spring / drive_.table_mass;
+      fastest = std::max(fastest, std::sqrt(w2) + drive_.damper / mass_ + drive_.damper / drive_.table_mass);
     }
     if constexpr (kLost) {
       const double stiffness = on_table_ * friction_.law().stiffness();
-      fastest = std::max(fastest, std::sqrt((spring_ + stiffness) / table_mass_) +
-                                      (damper_ + on_table_ * friction_.law().damping()) / table_mass_);
+      fastest =
+          std::max(fastest, std::sqrt((drive_.spring + stiffness) / drive_.table_mass) +
+                                (drive_.damper + on_table_ * friction_.law().damping()) / drive_.table_mass);
     }
     return fastest;
   }
 
  private:
-  /// Kutta's third order is stable to a decay of 2.51 per step; the velocity may grow a little within the
-  /// period. Where it grows more, steps are divided.
-  static constexpr double kStableStep = 2.3;
-  static constexpr double kUnstableStep = 2.5;
-  static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of the velocity
-  static constexpr double kMostSubsteps = 16384.0;
-
   /// Parts of the map as warm as it is, and at this place.
   template <class AnyMap>
   [[nodiscard]] friction::SteadyParts<double> parts(const AnyMap& map, double v, double x) const noexcept {
@@ -165,7 +167,7 @@ class Mechanics {
 
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) noexcept {
-    spare_ = static_cast<int>(kMostSubsteps);
+    spare_ = static_cast<int>(kMostPlantSubsteps);
     level_ = parts(map_, y_[1], y_[0]).level;
     double decay = friction_.law().rate_bound(std::abs(y_[1]), level_) * dt;
     if constexpr (kLost) {
@@ -177,7 +179,7 @@ class Mechanics {
     // A run that has diverged (NaN) keeps the given number, so that a search for a stable number can see the
     // divergence.
     if (!(steps >= substeps)) return substeps;
-    return static_cast<int>(std::min(steps, kMostSubsteps)) + 1;
+    return static_cast<int>(std::min(steps, kMostPlantSubsteps)) + 1;
   }
 
   /// Decay of friction within a sub-step of h [s] that begins with these accelerations, at the level of the period's start.
@@ -200,7 +202,7 @@ class Mechanics {
     // A large force reaches a speed that the count for the whole period did not know of.
     if (const double most = decay(k1, h); most > kUnstableStep && spare_ > 0) return divide(held, h, most);
     // While the velocity stays within half a cell of the table, the cell of the first stage serves all stages.
-    if (std::abs(k1[1]) * h < kNear * std::abs(before)) {
+    if (std::abs(k1[1]) * h < kNearStep * std::abs(before)) {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(near, y, held); });
     } else {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(map_, y, held); });
@@ -214,7 +216,7 @@ class Mechanics {
     }
   }
 
-  /// A sub-step in so many parts that each is stable. A period has kMostSubsteps more of them at most: an axis that leaves all bounds
+  /// A sub-step in so many parts that each is stable. A period has kMostPlantSubsteps more of them at most: an axis that leaves all bounds
   /// would ask for more and more.
   void divide(const Held& held, double h, double decay_in_h) noexcept {
     const int parts = static_cast<int>(std::min(decay_in_h * (1.0 / kStableStep), 1.0 * spare_)) + 1;
@@ -226,47 +228,47 @@ class Mechanics {
     mass_ = p.total_mass();
     if constexpr (kVoltage) {
       const auto& d = std::get<VoltageDrive>(p.drive);
-      resistance_ = d.resistance;
-      inductance_ = d.inductance;
-      voltage_gain_ = d.amplifier_gain;
-      force_per_ampere_ = d.torque_constant * d.screw_ratio();
-      emf_ = d.back_emf * d.screw_ratio();
+      drive_.resistance = d.resistance;
+      drive_.inductance = d.inductance;
+      drive_.voltage_gain = d.amplifier_gain;
+      drive_.force_per_ampere = d.torque_constant * d.screw_ratio();
+      drive_.emf = d.back_emf * d.screw_ratio();
     } else {
-      gain_ = std::get<CurrentDrive>(p.drive).gain;
+      drive_.gain = std::get<CurrentDrive>(p.drive).gain;
     }
     if constexpr (kLost) {
       const LostMotion& m = *p.lost_motion;
-      table_mass_ = m.table_share * mass_;
-      mass_ -= table_mass_;
-      spring_ = m.stiffness;
-      damper_ = 2.0 * m.damping_ratio * std::sqrt(m.stiffness * table_mass_);
+      drive_.table_mass = m.table_share * mass_;
+      mass_ -= drive_.table_mass;
+      drive_.spring = m.stiffness;
+      drive_.damper = 2.0 * m.damping_ratio * std::sqrt(m.stiffness * drive_.table_mass);
       backlash_ = m.backlash;
       backlash_slope_ = m.backlash_slope;
       on_table_ = m.table_friction;
     } else if constexpr (kMode) {
       const AxialMode& m = *p.axial_mode;
       const double w = 2.0 * kPi * m.frequency;
-      table_mass_ = m.table_share * mass_;
-      mass_ -= table_mass_;
-      spring_ = table_mass_ * w * w;
-      damper_ = 2.0 * m.damping_ratio * w * table_mass_;
+      drive_.table_mass = m.table_share * mass_;
+      mass_ -= drive_.table_mass;
+      drive_.spring = drive_.table_mass * w * w;
+      drive_.damper = 2.0 * m.damping_ratio * w * drive_.table_mass;
     }
-    inverse_mass_ = 1.0 / mass_;
+    drive_.inverse_mass = 1.0 / mass_;
   }
 
   /// Force from the drive side to the table [N].
   [[nodiscard]] double transmitted(const StateVector& y) const noexcept {
-    const double stretch = y[0] - y[kTable];
-    const double rate = y[1] - y[kTable + 1];
     if constexpr (kLost) {
+      const double stretch = y[0] - y[kTable];
+      const double rate = y[1] - y[kTable + 1];
       const double half = 0.5 * std::max(0.0, backlash_ + backlash_slope_ * y[kTable]);
       if (half > 0.0) {
-        if (stretch > half) return std::max(0.0, spring_ * (stretch - half) + damper_ * rate);
-        if (stretch < -half) return std::min(0.0, spring_ * (stretch + half) + damper_ * rate);
+        if (stretch > half) return std::max(0.0, drive_.spring * (stretch - half) + drive_.damper * rate);
+        if (stretch < -half) return std::min(0.0, drive_.spring * (stretch + half) + drive_.damper * rate);
         return 0.0;
       }
     }
-    return spring_ * stretch + damper_ * rate;
+    return drive_.spring_force(y);
   }
 
   template <class AnyMap>
@@ -277,30 +279,19 @@ class Mechanics {
     const auto p = parts(map, v, y[0]);
     double friction = friction_.evaluate(&y[kFriction], v, p, &d[kFriction]);
     if constexpr (kLost) friction *= 1.0 - on_table_;
-    double force = -friction - held.force;
-    if constexpr (kVoltage) {
-      force += force_per_ampere_ * y[kCurrent];
-      d[kCurrent] = (voltage_gain_ * held.voltage - resistance_ * y[kCurrent] - emf_ * v) / inductance_;
-    } else {
-      force += gain_ * held.voltage;
-    }
+    double transmitted_force = 0.0;
+    double on_table = 0.0;
     if constexpr (kMode) {
-      const double s = transmitted(y);
-      force -= s;
-      d[kTable] = y[kTable + 1];
-      double on_table = s - held.cutting;
-      if constexpr (kLost) {
-        // The table's velocity has a cell of the map of its own.
-        const double v_t = y[kTable + 1];
-        on_table -= on_table_ * table_friction_.evaluate(&y[kTableFriction], v_t, parts(map_, v_t, y[kTable]),
-                                                         &d[kTableFriction]);
-      }
-      d[kTable + 1] = on_table / table_mass_;
-    } else {
-      force -= held.cutting;
+      transmitted_force = transmitted(y);
+      on_table = transmitted_force - held.cutting;
     }
-    d[0] = v;
-    d[1] = force * inverse_mass_;
+    if constexpr (kLost) {
+      // The table's velocity has a cell of the map of its own.
+      const double v_t = y[kTable + 1];
+      on_table -= on_table_ * table_friction_.evaluate(&y[kTableFriction], v_t, parts(map_, v_t, y[kTable]),
+                                                       &d[kTableFriction]);
+    }
+    drive_.rates(y, friction, transmitted_force, on_table, held, d);
     return d;
   }
 
@@ -315,17 +306,8 @@ class Mechanics {
   double level_ = 1.0;  ///< of friction at the start of the period [N]
   double table_level_ = 1.0;
   int spare_ = 0;  ///< sub-steps that may still be added in this period
-  double mass_ = 1.0;
-  double inverse_mass_ = 1.0;
-  double gain_ = 0.0;
-  double resistance_ = 1.0;
-  double inductance_ = 1.0;
-  double voltage_gain_ = 1.0;
-  double force_per_ampere_ = 0.0;
-  double emf_ = 0.0;
-  double table_mass_ = 0.0;
-  double spring_ = 0.0;
-  double damper_ = 0.0;
+  Equations drive_;
+  double mass_ = 1.0;  ///< of the drive side [kg]
   double backlash_ = 0.0;
   double backlash_slope_ = 0.0;
   double on_table_ = 0.0;
