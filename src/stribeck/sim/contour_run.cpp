@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <stribeck/plant/axis_group.hpp>
 #include <stribeck/sim/contour_run.hpp>
 #include <type_traits>
 
@@ -174,6 +175,53 @@ typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vect
   return s;
 }
 
+template <std::size_t N>
+bool fits(const Route<N>& route) {
+  return std::visit([](const auto& path) { return std::decay_t<decltype(path)>::kAxes; }, route.path) == N;
+}
+
+/// One run between its start and its figures, tick by tick.
+template <std::size_t N>
+class RunInProgress {
+ public:
+  /// The drives were started; they, their gains [N/V] and the route outlive the run.
+  RunInProgress(const std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
+                const AnyController<N>& controller, const Route<N>& route)
+      : axes_(axes), gain_(gain), period_(period), route_(route), law_(controller->copy()) {}
+
+  /// Until the drives move.
+  void begin(std::size_t k) {
+    const std::span<const path::PathPoint<N>> points = route_.points;
+    const std::span<const path::PathPoint<N>> motors = route_.motors.empty() ? points : route_.motors;
+    const path::PathPoint<N>& r = points[k];
+    tick_ = measured<N>(axes_, route_.path, r, static_cast<double>(k) * period_,
+                        near_phi(*law_, route_.points, k, period_));
+    commanded<N>(tick_, *law_, motors.subspan(k), route_.added.empty() ? nullptr : &route_.added[k], axes_,
+                 gain_);
+    if (!route_.cutting.empty()) tick_.cutting = route_.cutting[k];
+    tick_.in_glitch = glitch_.step(r);
+    tick_.scored = tick_.time >= route_.scored_from && tick_.time <= route_.scored_to;
+  }
+  /// After they have moved.
+  void end() {
+    if (tick_.scored) metrics_.add(scored(tick_, axes_, gain_, period_));
+  }
+
+  [[nodiscard]] const Tick<N>& tick() const { return tick_; }
+  [[nodiscard]] const LawRunner<N>& law() const { return *law_; }
+  [[nodiscard]] Metrics result() const { return metrics_.result(); }
+
+ private:
+  const std::vector<plant::Axis>& axes_;
+  const std::vector<double>& gain_;
+  double period_;
+  const Route<N>& route_;
+  std::unique_ptr<LawRunner<N>> law_;
+  GlitchWindow<N> glitch_;
+  MetricsCollector<N> metrics_;
+  Tick<N> tick_;
+};
+
 }  // namespace
 
 Drives::Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max)
@@ -195,32 +243,54 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
                     const plant::Fidelity& fidelity, std::uint64_t seed, std::uint32_t trial,
                     std::vector<ContourSample>* seen, StatusCounter* status,
                     std::vector<control::Drift>* drift) {
-  if (std::visit([](const auto& path) { return std::decay_t<decltype(path)>::kAxes; }, route.path) != N)
-    return Metrics::unknown();
+  if (!fits(route)) return Metrics::unknown();
   start<N>(route.points[0].position, fidelity, seed, trial);
+  RunInProgress<N> run(axes_, gain_, period_, controller, route);
   if (seen != nullptr) seen->reserve(route.points.size());
-  const std::unique_ptr<LawRunner<N>> law = controller->copy();
-  const std::span<const path::PathPoint<N>> points = route.points;
-  const std::span<const path::PathPoint<N>> motors = route.motors.empty() ? points : route.motors;
-  GlitchWindow<N> glitch;
-  MetricsCollector<N> metrics;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const path::PathPoint<N>& r = points[k];
-    Tick<N> tick = measured<N>(axes_, route.path, r, static_cast<double>(k) * period_,
-                               near_phi(*law, route.points, k, period_));
-    commanded<N>(tick, *law, motors.subspan(k), route.added.empty() ? nullptr : &route.added[k], axes_,
-                 gain_);
-    if (!route.cutting.empty()) tick.cutting = route.cutting[k];
-    tick.in_glitch = glitch.step(r);
-    tick.scored = tick.time >= route.scored_from && tick.time <= route.scored_to;
-    if (seen != nullptr) seen->push_back(sample_of(tick, r, axes_));
-    move_drives(axes_, tick);
+  for (std::size_t k = 0; k < route.points.size(); ++k) {
+    run.begin(k);
+    if (seen != nullptr) seen->push_back(sample_of(run.tick(), route.points[k], axes_));
+    move_drives(axes_, run.tick());
     if (seen != nullptr) note_loops<N>(seen->back(), axes_, gain_);
-    if (tick.scored) metrics.add(scored(tick, axes_, gain_, period_));
+    run.end();
   }
-  if (status != nullptr) *status = law->status();
-  if (drift != nullptr) *drift = law->drift(period_);
-  return metrics.result();
+  if (status != nullptr) *status = run.law().status();
+  if (drift != nullptr) *drift = run.law().drift(period_);
+  return run.result();
+}
+
+template <std::size_t N>
+std::vector<RunResult> Drives::run_together(std::span<const RunTogether<N>> runs, const Route<N>& route,
+                                            std::uint64_t seed) {
+  std::vector<RunResult> results(runs.size(), RunResult{Metrics::unknown(), {}});
+  if (!fits(route)) return results;
+  std::vector<RunInProgress<N>> running;
+  std::vector<plant::Axis*> axes;
+  running.reserve(runs.size());
+  for (const RunTogether<N>& r : runs) {
+    Drives& d = *r.drives;
+    d.start<N>(route.points[0].position, r.fidelity, seed, r.trial);
+    running.emplace_back(d.axes_, d.gain_, d.period_, r.controller, route);
+  }
+  // The same axis of all machines side by side: such drives need about the same number of sub-steps.
+  for (std::size_t i = 0; i < N; ++i) {
+    for (const RunTogether<N>& r : runs) axes.push_back(&r.drives->axes_[i]);
+  }
+  plant::AxisGroup group(axes);
+  std::vector<plant::AxisInput> inputs(axes.size());
+  for (std::size_t k = 0; k < route.points.size(); ++k) {
+    for (std::size_t m = 0; m < running.size(); ++m) {
+      running[m].begin(k);
+      const Tick<N>& tick = running[m].tick();
+      for (std::size_t i = 0; i < N; ++i)
+        inputs[i * runs.size() + m] = {tick.command[i], tick.cutting[i], tick.offset[i]};
+    }
+    group.step(inputs);
+    for (RunInProgress<N>& r : running) r.end();
+  }
+  for (std::size_t m = 0; m < running.size(); ++m)
+    results[m] = {running[m].result(), running[m].law().status()};
+  return results;
 }
 
 template <std::size_t N>
@@ -313,6 +383,8 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,          \
                                   std::uint64_t, std::uint32_t, std::vector<ContourSample>*, StatusCounter*, \
                                   std::vector<control::Drift>*);                                             \
+  template std::vector<RunResult> Drives::run_together<N>(std::span<const RunTogether<N>>, const Route<N>&,  \
+                                                          std::uint64_t);                                    \
   template void Drives::start<N>(const Vec<double, N>&, const plant::Fidelity&, std::uint64_t,               \
                                  std::uint32_t);                                                             \
   template ContourSample Drives::tick<N>(LawRunner<N>&, const AnyPath&, std::span<const path::PathPoint<N>>, \

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/sim/study/machine_runs.hpp>
+#include <utility>
 
 namespace stribeck::sim {
 namespace {
@@ -39,13 +40,35 @@ JudgedRuns<N>::JudgedRuns(const Machine& machine, const std::vector<std::size_t>
 template <std::size_t N>
 RobustRun JudgedRuns<N>::run(const AnyController<N>& controller, const Route<N>& route, std::uint64_t seed,
                              std::uint32_t trial, std::vector<ContourSample>* seen) {
-  RobustRun r;
   StatusCounter status;
-  r.metrics = drives_.run<N>(controller, route, {substeps_, true, true}, seed, trial, seen, &status);
+  const Metrics metrics =
+      drives_.run<N>(controller, route, {substeps_, true, true}, seed, trial, seen, &status);
+  return judged(metrics, status, route);
+}
+
+template <std::size_t N>
+RobustRun JudgedRuns<N>::judged(const Metrics& metrics, const StatusCounter& status,
+                                const Route<N>& route) const {
+  RobustRun r;
+  r.metrics = metrics;
   r.limited = status.count(Status::kOutputLimited) / static_cast<double>(N * route.points.size());
   r.lost = !(r.metrics.max_contour_error <= kLost * route.size) ||
            (r.limited > kMostLimited && r.metrics.input_variation > kMostShaking * range_);
   return r;
+}
+
+template <std::size_t N>
+std::vector<RobustRun> JudgedRuns<N>::run_together(std::span<const Member> members,
+                                                   const AnyController<N>& controller, const Route<N>& route,
+                                                   std::uint64_t seed) {
+  std::vector<RunTogether<N>> all;
+  for (const Member& m : members)
+    all.push_back({&m.runs->drives_, controller, {m.runs->substeps_, true, true}, m.trial});
+  const std::vector<RunResult> results = Drives::run_together<N>(all, route, seed);
+  std::vector<RobustRun> judged_runs;
+  for (std::size_t i = 0; i < members.size(); ++i)
+    judged_runs.push_back(members[i].runs->judged(results[i].metrics, results[i].status, route));
+  return judged_runs;
 }
 
 template class JudgedRuns<1>;
@@ -60,7 +83,7 @@ class MachineRuns::Loops {
   Loops& operator=(const Loops&) = delete;
   virtual ~Loops() = default;
   [[nodiscard]] virtual std::size_t size() const = 0;
-  [[nodiscard]] virtual std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const = 0;
+  [[nodiscard]] virtual std::vector<RunsOfMachine> run(std::span<const MachineTrial> machines) const = 0;
 };
 
 template <std::size_t N>
@@ -84,11 +107,25 @@ class MachineRuns::LoopsOf : public Loops {
 
   [[nodiscard]] std::size_t size() const override { return controllers_.size(); }
 
-  [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const override {
-    JudgedRuns<N> runs(machine, axes_, 1.05 * fastest_);
-    std::vector<RobustRun> all(controllers_.size());
-    for (std::size_t i = 0; i < controllers_.size(); ++i)
-      all[i] = runs.run(controllers_[i], *routes_[i], seed_, trial);
+  [[nodiscard]] std::vector<RunsOfMachine> run(std::span<const MachineTrial> machines) const override {
+    std::vector<RunsOfMachine> all(machines.size());
+    std::vector<std::unique_ptr<JudgedRuns<N>>> drives;
+    std::vector<typename JudgedRuns<N>::Member> members;
+    std::vector<std::size_t> index;  // of each member among the machines
+    for (std::size_t m = 0; m < machines.size(); ++m) {
+      try {
+        drives.push_back(std::make_unique<JudgedRuns<N>>(machines[m].machine, axes_, 1.05 * fastest_));
+        members.push_back({drives.back().get(), machines[m].trial});
+        index.push_back(m);
+      } catch (const Refused&) {
+        all[m].refused = std::current_exception();
+      }
+    }
+    for (std::size_t i = 0; i < controllers_.size(); ++i) {
+      const std::vector<RobustRun> runs =
+          JudgedRuns<N>::run_together(members, controllers_[i], *routes_[i], seed_);
+      for (std::size_t k = 0; k < runs.size(); ++k) all[index[k]].runs.push_back(runs[k]);
+    }
     return all;
   }
 
@@ -112,7 +149,14 @@ MachineRuns::MachineRuns(const Machine& nominal, const std::vector<AxisKnowledge
 std::size_t MachineRuns::size() const { return loops_->size(); }
 
 std::vector<RobustRun> MachineRuns::run(const Machine& machine, std::uint32_t trial) const {
-  return loops_->run(machine, trial);
+  const MachineTrial one{machine, trial};
+  RunsOfMachine result = std::move(loops_->run({&one, 1}).front());
+  if (result.refused) std::rethrow_exception(result.refused);
+  return std::move(result.runs);
+}
+
+std::vector<RunsOfMachine> MachineRuns::run_together(std::span<const MachineTrial> machines) const {
+  return loops_->run(machines);
 }
 
 }  // namespace stribeck::sim

@@ -9,11 +9,14 @@
 ///
 /// The number of sub-steps follows from the fastest rate of the machine; choose_substeps() would cost more than the runs. Measured
 /// on 40 machines: docs/theory/robustness.md.
-/// Threads: run() is safe. Real time: no. Errors: Refused for controllers that cannot be built, and for a machine that needs too many
+/// Several machines run in step (Drives::run_together), which gives the same results in less time; kTogether of them fill the packs.
+/// Threads: run() and run_together() are safe. Real time: no. Errors: Refused for controllers that cannot be built, and for a machine that needs too many
 /// sub-steps.
 
 #include <cstdint>
+#include <exception>
 #include <memory>
+#include <span>
 #include <stribeck/sim/compare.hpp>
 #include <vector>
 
@@ -24,6 +27,18 @@ struct RobustRun {
   Metrics metrics;
   double limited = 0.0;  ///< share of the ticks and axes at the limit of the drive
   bool lost = false;
+};
+
+/// The runs of one machine; or why there are none.
+struct RunsOfMachine {
+  std::vector<RobustRun> runs;
+  std::exception_ptr refused;
+};
+
+/// A machine and the number that its noise depends on.
+struct MachineTrial {
+  Machine machine;
+  std::uint32_t trial = 0;
 };
 
 /// Drives of one machine, for runs that are judged as those of MachineRuns: with any controller, also one that is no law of Stribeck.
@@ -37,7 +52,19 @@ class JudgedRuns {
   RobustRun run(const AnyController<N>& controller, const Route<N>& route, std::uint64_t seed,
                 std::uint32_t trial, std::vector<ContourSample>* seen = nullptr);
 
+  struct Member {
+    JudgedRuns* runs = nullptr;
+    std::uint32_t trial = 0;
+  };
+  /// run() of several machines in step.
+  static std::vector<RobustRun> run_together(std::span<const Member> members,
+                                             const AnyController<N>& controller, const Route<N>& route,
+                                             std::uint64_t seed);
+
  private:
+  [[nodiscard]] RobustRun judged(const Metrics& metrics, const StatusCounter& status,
+                                 const Route<N>& route) const;
+
   Drives drives_;
   double range_;  ///< smallest of the converters [V]
   int substeps_;
@@ -55,6 +82,10 @@ class MachineRuns {
 
   /// On a machine with the axes of the nominal one; travel by travel, controller by controller. The noise depends on seed and trial.
   [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const;
+
+  /// The same for several machines. A machine that is refused does not stop the others.
+  static constexpr std::size_t kTogether = 16;
+  [[nodiscard]] std::vector<RunsOfMachine> run_together(std::span<const MachineTrial> machines) const;
 
  private:
   class Loops;

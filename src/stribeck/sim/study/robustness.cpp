@@ -20,19 +20,35 @@ void run_machines(const Machine& nominal, const std::vector<AxisKnowledge>& know
     row.runs.resize(spec.machines);
     result.rows.push_back(std::move(row));
   }
+  const auto keep = [&](RunsOfMachine&& of, auto&& place) {
+    if (of.refused) std::rethrow_exception(of.refused);
+    for (std::size_t i = 0; i < of.runs.size(); ++i) place(result.rows[i]) = of.runs[i];
+  };
+  // The nominal machine first, then as many together as fill the packs.
+  constexpr std::size_t kTogether = MachineRuns::kTogether;
+  const std::size_t blocks = (spec.machines + kTogether - 1) / kTogether;
+  const auto machines_before = [&](std::size_t block) {
+    return std::min<std::size_t>(block * kTogether, spec.machines);
+  };
   parallel_for(
-      spec.machines + std::size_t{1}, spec.threads, [] { return 0; },
+      blocks + 1, spec.threads, [] { return 0; },
       [&](int&, std::size_t job) {
         if (job == 0) {
-          const std::vector<RobustRun> of_all = runs.run(nominal, 0);
-          for (std::size_t i = 0; i < of_all.size(); ++i) result.rows[i].nominal = of_all[i];
+          keep({runs.run(nominal, 0), {}}, [](RobustRow& row) -> RobustRun& { return row.nominal; });
           return;
         }
-        const auto m = static_cast<std::uint32_t>(job - 1);
-        const std::vector<RobustRun> of_all = runs.run(vary(nominal, spec.variation, spec.seed, m), m);
-        for (std::size_t i = 0; i < of_all.size(); ++i) result.rows[i].runs[m] = of_all[i];
+        std::vector<MachineTrial> some;
+        for (std::size_t m = machines_before(job - 1); m < machines_before(job); ++m) {
+          const auto trial = static_cast<std::uint32_t>(m);
+          some.push_back({vary(nominal, spec.variation, spec.seed, trial), trial});
+        }
+        std::vector<RunsOfMachine> of_all = runs.run_together(some);
+        for (std::size_t k = 0; k < some.size(); ++k)
+          keep(std::move(of_all[k]), [&](RobustRow& row) -> RobustRun& { return row.runs[some[k].trial]; });
       },
-      progress);
+      [&](std::size_t done, std::size_t) {
+        if (progress) progress(machines_before(done), spec.machines);
+      });
 }
 
 }  // namespace

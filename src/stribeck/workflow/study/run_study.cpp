@@ -14,6 +14,7 @@
 #include <stribeck/sim/study/machine_runs.hpp>
 #include <stribeck/workflow/study/results_file.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <stribeck/workflow/study/study_runs.hpp>
 #include <stribeck/workflow/study/uncertain_models.hpp>
 #include <thread>
 #include <vector>
@@ -21,20 +22,9 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Text of a cell of its own: neither commas nor quotes.
-std::string as_cell(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == ',' || c == '"'; }, ' ');
-  return report::clean_text(text);
-}
-
-std::string motion_of(const Study& s, std::size_t row) {
-  return s.spec.travels[row / s.spec.controllers.size()].pace_in_words();
-}
-
 std::string head_of(const Study& s) {
   std::string head = "run,sample";
-  for (const BoundFactor& f : s.factors) head += ',' + as_cell(f.head());
+  for (const BoundFactor& f : s.factors) head += ',' + text_of_cell(f.head());
   head += ",controller,motion,state,at_limit_percent";
   for (const StudyColumn& c : s.columns) head += ',' + c.key;
   return head;
@@ -70,91 +60,12 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
   return text;
 }
 
-/// Separates the noise of an identification from that of the runs.
-constexpr std::uint64_t kLogs = 0x6c6f6773;
-
-/// Runs a study's controllers on one machine after another.
-class Runner {
- public:
-  Runner(const Study& s, const Parameters& parameters)
-      : s_(s),
-        design_(s.design()),
-        once_(s.machine, parameters.knowledge, s.spec.travels, s.axes, s.spec.controllers, s.file.seed) {}
-
-  [[nodiscard]] const sim::Design& design() const { return design_; }
-  /// Number of rows of a run.
-  [[nodiscard]] std::size_t rows() const { return once_.size(); }
-  [[nodiscard]] std::vector<sim::RobustRun> nominal() const { return once_.run(s_.machine, 0); }
-
-  /// Number, sample and drawn values, with which all rows of a run begin.
-  [[nodiscard]] std::string beginning(std::uint64_t run) const {
-    const std::vector<double> values = s_.values(design_, run);
-    std::string begin = fmt::format("{},{}", run, run / s_.runs_per_sample());
-    for (std::size_t i = 0; i < values.size(); ++i)
-      begin += ',' + io::number_text(s_.factors[i].shown(values[i]));
-    return begin;
-  }
-  /// Controller and motion of a row, which follow.
-  [[nodiscard]] std::string case_of(std::size_t row) const {
-    return fmt::format(",{},{}", s_.spec.controllers[row % s_.spec.controllers.size()].id,
-                       as_cell(motion_of(s_, row)));
-  }
-
-  /// The rows of a run as text.
-  [[nodiscard]] std::string text(std::uint64_t run) const {
-    const std::vector<double> values = s_.values(design_, run);
-    const std::uint64_t sample = run / s_.runs_per_sample();
-    const std::string begin = beginning(run);
-    std::vector<sim::RobustRun> all;
-    try {
-      all = run_on(with_values(s_.machine, s_.factors, values), sample);
-    } catch (const sim::Refused&) {
-      // More sub-steps than are simulated: a machine that has no figures.
-    } catch (const ident::Refused&) {
-      // A machine whose own logs do not identify it has no compensators.
-    }
-    std::string text;
-    for (std::size_t row = 0; row < rows(); ++row) {
-      text += fmt::format("{}{},{}", begin, case_of(row),
-                          all.empty()     ? kRunRefused
-                          : all[row].lost ? kRunLost
-                                          : kRunDone);
-      text += all.empty() ? "," : ',' + io::number_text(100.0 * all[row].limited);
-      for (const StudyColumn& c : s_.columns) {
-        const double x = all.empty() ? kNaN : c.of(all[row].metrics);
-        text += std::isfinite(x) ? ',' + io::number_text(x) : ",";
-      }
-      text += '\n';
-    }
-    return text;
-  }
-
- private:
-  [[nodiscard]] std::vector<sim::RobustRun> run_on(const sim::Machine& machine, std::uint64_t sample) const {
-    const auto trial = static_cast<std::uint32_t>(sample);
-    const StudyIdentification how = s_.file.identification;
-    if (how == StudyIdentification::kOnce) return once_.run(machine, trial);
-    sim::CompareSpec spec = s_.spec;
-    spec.threads = 1;
-    spec.seed = sim::random_bits(s_.file.seed, kLogs, sample);
-    const Parameters own = get_parameters(how == StudyIdentification::kRepeated ? s_.machine : machine,
-                                          s_.machine_file, s_.parameters, spec);
-    const sim::MachineRuns runs(s_.machine, own.knowledge, spec.travels, s_.axes, spec.controllers,
-                                s_.file.seed);
-    return runs.run(machine, trial);
-  }
-
-  const Study& s_;
-  sim::Design design_;
-  sim::MachineRuns once_;
-};
-
 // ---- summary
 
 /// Sums up the rows, one after the other.
 class Summary {
  public:
-  Summary(const Study& s, const Runner& runner)
+  Summary(const Study& s, const StudyRuns& runner)
       : s_(s),
         runner_(runner),
         rows_(s.spec.travels.size() * s.spec.controllers.size()),
@@ -288,7 +199,7 @@ class Summary {
   }
 
   const Study& s_;
-  const Runner& runner_;
+  const StudyRuns& runner_;
   std::string beginning_;  ///< of the run whose rows are added
   std::size_t rows_;
   std::vector<std::uint64_t> lost_;
@@ -299,7 +210,7 @@ class Summary {
   std::uint64_t sample_ = 0;
 };
 
-Summary sum_up(const Study& study, const Runner& runner, const ResultsFile& file) {
+Summary sum_up(const Study& study, const StudyRuns& runner, const ResultsFile& file) {
   Summary summary(study, runner);
   for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
     summary.add(line, cells, file.path());
@@ -328,22 +239,25 @@ class Task {
     if (file.finished() > 0) sum_up(study_, runner_, file);
     check_machines(study_, runner_.design(), file.finished(), options_.threads);
   }
-  [[nodiscard]] std::size_t threads() const {
-    return options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
+  /// Runs that a process of several computes at a time: they keep all threads busy, fill the packs where the study has so many, and
+  /// leave some for the others.
+  [[nodiscard]] std::uint64_t at_a_time() const {
+    const std::uint64_t threads =
+        options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
+    constexpr std::uint64_t kShares = 16;
+    return std::clamp(study_.runs / kShares, threads, threads * sim::MachineRuns::kTogether);
   }
   /// The rows of these runs, handed over in their order: take(run, rows).
   template <class Take>
-  void compute(const std::vector<std::uint64_t>& runs, Take&& take) const {
-    sim::in_order(
-        0, runs.size(), options_.threads, [&](std::uint64_t i) { return runner_.text(runs[i]); },
-        [&](std::uint64_t i, const std::string& rows) { take(runs[i], rows); });
+  void compute(std::span<const std::uint64_t> runs, Take&& take) const {
+    compute_some(
+        runs.size(), [&](std::uint64_t i) { return runs[i]; }, take);
   }
   /// The same of all runs from `begin` on.
   template <class Take>
   void compute_from(std::uint64_t begin, Take&& take) const {
-    sim::in_order(
-        begin, study_.runs, options_.threads, [&](std::uint64_t run) { return runner_.text(run); },
-        [&](std::uint64_t run, const std::string& rows) { take(run, rows); });
+    compute_some(
+        study_.runs - begin, [&](std::uint64_t i) { return begin + i; }, take);
   }
   void progress(std::uint64_t done) const {
     if (options_.progress) options_.progress(done, study_.runs);
@@ -360,19 +274,37 @@ class Task {
     return get_parameters(study.machine, study.machine_file, study.parameters, spec);
   }
 
+  /// Runs number(0) to number(count − 1), as many together as fill the packs.
+  template <class Number, class Take>
+  void compute_some(std::uint64_t count, Number&& number, Take&& take) const {
+    constexpr std::uint64_t kTogether = sim::MachineRuns::kTogether;
+    const auto runs_of = [&](std::uint64_t block) {
+      std::vector<std::uint64_t> runs;
+      for (std::uint64_t i = block * kTogether; i < std::min(count, (block + 1) * kTogether); ++i)
+        runs.push_back(number(i));
+      return runs;
+    };
+    sim::in_order(
+        0, (count + kTogether - 1) / kTogether, options_.threads,
+        [&](std::uint64_t block) { return runner_.texts(runs_of(block)); },
+        [&](std::uint64_t block, const std::vector<std::string>& rows) {
+          for (std::size_t i = 0; i < rows.size(); ++i) take(number(block * kTogether + i), rows[i]);
+        });
+  }
+
   const Study& study_;
   const StudyOptions& options_;
   Parameters parameters_;
-  Runner runner_;
+  StudyRuns runner_;
   std::string inputs_;
 };
 
 constexpr std::chrono::milliseconds kLook{50};  // between two looks at what the others do
 
-/// Computes blocks that nobody has, as many as keep all threads busy; false: there is none.
+/// Computes blocks that nobody has; false: there is none.
 bool compute_some(const Task& task, SharedRuns& shared) {
   std::vector<std::uint64_t> runs;
-  while (runs.size() < task.threads()) {
+  while (runs.size() < task.at_a_time()) {
     const auto block = shared.claim();
     if (!block) break;
     for (std::uint64_t run = shared.begin_of(*block); run < shared.end_of(*block); ++run) runs.push_back(run);

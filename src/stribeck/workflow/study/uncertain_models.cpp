@@ -4,6 +4,7 @@
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/workflow/study/uncertain_models.hpp>
 #include <string>
 #include <string_view>
