@@ -92,6 +92,14 @@ TEST(Target, AxesInHalAreCalledAsTheirFilesSay) {
   request.output = folder / "axes.hal";
   static_cast<void>(targets::find_target("linuxcnc")->write(request));
   EXPECT_THAT(text_of(request.output), HasSubstr("setp ax.z.mass 800\n"));
+  // As axis files of a machine with capital names have them.
+  request.files[1] = folder.write("d.toml", std::string("axis = \"C\"\n") + kAxis);
+  request.lincurve = true;
+  request.speed = "100 mm/s";
+  static_cast<void>(targets::find_target("linuxcnc")->write(request));
+  EXPECT_THAT(text_of(request.output), HasSubstr("names=ff.z,ff.c "));
+  request.lincurve = false;
+  request.speed.clear();
   // Two of one name: counted.
   request.files[1] = folder.write("c.toml", std::string("axis = \"z\"\n") + kAxis);
   static_cast<void>(targets::find_target("linuxcnc")->write(request));

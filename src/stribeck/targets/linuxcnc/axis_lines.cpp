@@ -16,6 +16,7 @@
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
+#include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets::linuxcnc {
@@ -51,18 +52,12 @@ std::vector<std::string> names_for(const ExportRequest& o, const std::string& pr
   return names;
 }
 
-/// As the axis files say; x, y, … where one does not say a letter of LinuxCNC, or two say the same.
+/// As the axis files say, small or capital; x, y, … where one does not say a letter of LinuxCNC, or two say the same.
 std::vector<std::string> letters_for(const ExportRequest& o) {
   constexpr std::string_view kAxes = "xyzabcuvw";
   if (o.files.size() > kAxes.size()) refuse_option("AXIS.toml", "got more than nine axes");
-  std::vector<std::string> said;
-  for (const std::string& file : o.files) {
-    const std::string axis = io::read_toml<sim::AxisFile>(file).axis.value_or("");
-    if (axis.size() == 1 && kAxes.find(axis[0]) != std::string_view::npos) said.push_back(axis);
-  }
-  if (said.size() == o.files.size() && std::set(said.begin(), said.end()).size() == said.size()) return said;
   std::vector<std::string> axes;
-  for (std::size_t i = 0; i < o.files.size(); ++i) axes.emplace_back(1, kAxes[i]);
+  for (const std::size_t number : axis_numbers(axes_in_files(o))) axes.emplace_back(1, kAxes[number]);
   return axes;
 }
 
