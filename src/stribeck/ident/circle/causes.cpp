@@ -241,17 +241,31 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   return out;
 }
 
-/// Where the axes cross their play after a reversal, and stand still.
-std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, double radius) {
+/// Where the axes cross their play after a reversal, and stand still; or, where it is compensated too much, where the compensation moves
+/// them: how long that takes is not known, at most until the fit begins.
+std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, double radius,
+                                         const Windows& windows) {
   std::array<Crossing, 2> out{};
   for (const Cause& c : causes) {
-    if (c.kind != CauseKind::kBacklash || !(c.size > kBeyond * c.half_width) || c.size < kLeastEffect)
+    if (c.kind != CauseKind::kBacklash || !(std::abs(c.size) > kBeyond * c.half_width) ||
+        std::abs(c.size) < kLeastEffect)
       continue;
-    double most = c.size;
-    for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * end.value);
-    out[static_cast<std::size_t>(*c.axis)] = {std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)), most};
+    const auto axis = static_cast<std::size_t>(*c.axis);
+    double most = std::abs(c.size);
+    for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * std::abs(end.value));
+    out[axis] = {c.size > 0.0 ? std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)) : windows[axis], most};
   }
   return out;
+}
+
+/// A peak is measured from the fit, which has its own interval where the peak is.
+void add_width_of_fit(const Fitted& f, const stats::Uncertainty& u, QuadrantPeak& peak) {
+  CauseRow at;
+  at.direction = peak.counter_clockwise ? 1.0 : -1.0;
+  at.angle = peak.angle + at.direction * peak.delay;
+  at.feed = peak.feed;
+  peak.half_width_95 =
+      std::hypot(peak.half_width_95, u.half_width(column_values(f.rows, f.design.columns, at)));
 }
 
 bool is_set_up(const Cause& c) { return c.kind == CauseKind::kCentre; }
@@ -307,7 +321,9 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
     out.causes.push_back(std::move(cause));
   }
   const std::vector<double> rest = rest_of_rows(f.rows, f.design, f.fit);
-  out.peaks = quadrant_peaks(f.rows, rest, f.fit.window, crossing_of_play(out.causes, f.rows.radius));
+  out.peaks =
+      quadrant_peaks(f.rows, rest, f.fit.windows, crossing_of_play(out.causes, f.rows.radius, f.fit.windows));
+  for (QuadrantPeak& p : out.peaks) add_width_of_fit(f, u, p);
   for (const int axis : {0, 1}) out.causes.push_back(spike_of(out.peaks, axis));
   if (const auto vibration = find_vibration(motions, f.rows, f.design, f.fit)) {
     // Where the axis reverses, a vibration stands at any of its phases.
@@ -325,7 +341,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   rank(out.causes);
   out.remarks = remarks_on(f.rows, f.fit, out.causes, out.peaks, motions, commanded);
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
-  out.window = f.fit.window;
+  out.window = f.fit.window();
   const auto [low, high] =
       std::minmax_element(f.rows.rows.begin(), f.rows.rows.end(),
                           [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });
@@ -342,8 +358,8 @@ CauseWords words_of(CauseKind kind) {
           true};
     case CauseKind::kBacklash:
       return {
-          "the slide follows the drive late by this distance after each reversal; negative: it is compensated too much",
-          "check coupling, nut and bearings for play; then set the backlash compensation to this value, or lower it where it is negative",
+          "the slide follows the drive late by this distance after each reversal, beside what is compensated; negative: it is compensated too much",
+          "check coupling, nut and bearings for play; then add this value to the backlash compensation that is set (a negative one lowers it)",
           true};
     case CauseKind::kLateralPlay:
       return {"the slide moves sideways when it reverses",

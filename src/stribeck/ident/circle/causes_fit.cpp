@@ -130,13 +130,78 @@ class PitchSearch {
   Pitch best_;
 };
 
+/// The windows of a fit.
+class WindowSearch {
+ public:
+  WindowSearch(const CauseRows& rows, const Design& design) : rows_(rows), design_(design) {}
+
+  /// The same for both axes.
+  [[nodiscard]] CauseFit common() const {
+    std::vector<CauseFit> fits;
+    double least = HUGE_VAL;
+    for (const double degrees : kWindows) {
+      fits.push_back(with(degrees * kDegree, degrees * kDegree));
+      if (fits.back().rest.size() > 0) least = std::min(least, fits.back().variance);
+    }
+    for (CauseFit& fit : fits) {
+      if (fit.rest.size() > 0 && fit.variance <= kChance * least) return std::move(fit);
+    }
+    return std::move(fits.front());
+  }
+  /// Peaks that reach farther, of one axis or of both.
+  [[nodiscard]] CauseFit wider(CauseFit fit) const {
+    constexpr double kClear = 0.8;
+    const double before = fit.variance;
+    for (const double degrees : {45.0, 60.0}) {
+      const double w = degrees * kDegree;
+      CauseFit best;
+      for (const Windows& tried : {Windows{w, fit.windows[1]}, Windows{fit.windows[0], w}, Windows{w, w}}) {
+        if (tried == fit.windows) continue;
+        CauseFit other = with(tried[0], tried[1]);
+        if (other.rest.size() == 0) continue;
+        if (best.rest.size() == 0 || other.variance * kChance < best.variance) best = std::move(other);
+      }
+      if (best.rest.size() > 0 && best.variance < kClear * std::min(before, fit.variance))
+        fit = std::move(best);
+    }
+    return fit;
+  }
+  /// The axis whose peaks are short.
+  [[nodiscard]] CauseFit shorter_of_one_axis(CauseFit fit) const {
+    const double most = kChance * fit.variance;
+    for (const std::size_t axis : {0U, 1U}) {
+      for (const double degrees : kWindows) {
+        Windows tried = fit.windows;
+        tried[axis] = degrees * kDegree;
+        if (tried[axis] >= fit.windows[axis]) break;
+        CauseFit other = with(tried[0], tried[1]);
+        if (other.rest.size() == 0 || other.variance > most) continue;
+        fit = std::move(other);
+        break;
+      }
+    }
+    return fit;
+  }
+
+ private:
+  static constexpr std::array<double, 8> kWindows{2.0, 4.0, 6.0, 9.0, 13.0, 18.0, 24.0, 32.0};
+  // What is left of a peak outside the window raises the variance; this much is chance.
+  static constexpr double kChance = 1.03;
+
+  [[nodiscard]] CauseFit with(double x, double y) const { return fit_causes(rows_, design_, {x, y}); }
+
+  const CauseRows& rows_;
+  const Design& design_;
+};
+
 }  // namespace
 
-CauseFit fit_causes(const CauseRows& rows, const Design& design, double window) {
+CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows) {
   CauseFit fit;
-  fit.window = window;
+  fit.windows = windows;
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const double behind = after_reversal(rows.rows[i]);
+    const double window = windows[static_cast<std::size_t>(last_border(rows.rows[i]) % 2)];
     if (behind >= window && behind <= 0.5 * kPi - kDegree) fit.used.push_back(i);
   }
   const auto n = static_cast<Eigen::Index>(fit.used.size());
@@ -157,19 +222,13 @@ CauseFit fit_causes(const CauseRows& rows, const Design& design, double window) 
 }
 
 CauseFit fit_with_window(const CauseRows& rows, const Design& design) {
-  constexpr std::array<double, 8> kWindows{2.0, 4.0, 6.0, 9.0, 13.0, 18.0, 24.0, 32.0};
-  // What is left of a peak outside the window raises the variance; this much is chance.
-  constexpr double kChance = 1.03;
-  std::vector<CauseFit> fits;
-  double least = HUGE_VAL;
-  for (const double degrees : kWindows) {
-    fits.push_back(fit_causes(rows, design, degrees * kDegree));
-    if (fits.back().rest.size() > 0) least = std::min(least, fits.back().variance);
-  }
-  for (CauseFit& fit : fits) {
-    if (fit.rest.size() > 0 && fit.variance <= kChance * least) return std::move(fit);
-  }
-  return std::move(fits.front());
+  WindowSearch search(rows, design);
+  CauseFit fit = search.common();
+  // Short windows leave nothing out that matters.
+  constexpr double kLong = 12.0 * kDegree;
+  if (fit.rest.size() == 0 || fit.window() < kLong) return fit;
+  fit = search.wider(std::move(fit));
+  return search.shorter_of_one_axis(std::move(fit));
 }
 
 std::vector<Pitch> find_pitches(const CauseRows& all) {

@@ -4,6 +4,7 @@
 /// Inside ident only: includes Eigen. Real time: no. Errors: none.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <stribeck/ident/circle/causes.hpp>
@@ -84,7 +85,10 @@ struct Design {
 };
 Design design_of(const CauseRows& rows, const std::vector<Pitch>& pitches);
 
-/// The fit of all rows more than `window` behind a reversal.
+/// Angles behind the reversals of x and of y that a fit leaves out [rad].
+using Windows = std::array<double, 2>;
+
+/// The fit of all rows more than a window behind a reversal.
 struct CauseFit {
   std::vector<std::size_t> used;  ///< rows
   Eigen::MatrixXd X;
@@ -92,10 +96,12 @@ struct CauseFit {
   Eigen::VectorXd coefficients;
   Eigen::VectorXd rest;  ///< of the used rows [m]
   double variance = 0.0;
-  double window = 0.0;
+  Windows windows{};
+  [[nodiscard]] double window() const { return std::max(windows[0], windows[1]); }
 };
-CauseFit fit_causes(const CauseRows& rows, const Design& design, double window);
-/// The same with the shortest window that leaves no more than any longer one.
+CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows);
+/// The same with the shortest windows that leave no more than any longer ones. Beyond 32 degrees, which leaves out a third of the circle
+/// and more, where that takes off a fifth of the variance.
 CauseFit fit_with_window(const CauseRows& rows, const Design& design);
 
 /// Pitches that lower the rest clearly, at most two.
@@ -104,14 +110,15 @@ std::vector<Pitch> find_pitches(const CauseRows& rows);
 /// Measured less fitted of every row [m].
 std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, const CauseFit& fit);
 
-/// What an axis does behind a reversal.
+/// What an axis does behind a reversal: it crosses its play and stands still, or its compensation takes its time for a step that is too
+/// large.
 struct Crossing {
-  double angle = 0.0;  ///< in which it crosses its play [rad]; 0: it has none
-  double play = 0.0;   ///< [m]
+  double angle = 0.0;  ///< in which it does [rad]; 0: it has no play
+  double play = 0.0;   ///< size of the play, or of the step [m]
 };
 /// Where an axis crosses its play no peak is looked for, except one that is larger than the play.
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         double window, const std::array<Crossing, 2>& crossing);
+                                         const Windows& windows, const std::array<Crossing, 2>& crossing);
 
 struct Vibration {
   double amplitude = 0.0;  ///< [m]

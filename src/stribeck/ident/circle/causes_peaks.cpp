@@ -174,7 +174,7 @@ QuadrantPeak peak_of(const PeakPlace& place, const Profile& p, const CauseRows& 
 }  // namespace
 
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         double window, const std::array<Crossing, 2>& crossing) {
+                                         const Windows& windows, const std::array<Crossing, 2>& crossing) {
   std::map<double, std::pair<double, int>> feeds;
   for (const CauseRow& row : rows.rows) {
     if (!std::isfinite(row.feed)) continue;
@@ -184,8 +184,8 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
   }
   std::vector<QuadrantPeak> out;
   for (const auto& [place, profile] : profiles(rows, rest)) {
-    out.push_back(
-        peak_of(place, profile, rows, window, crossing[static_cast<std::size_t>(std::get<2>(place) % 2)]));
+    const auto axis = static_cast<std::size_t>(std::get<2>(place) % 2);
+    out.push_back(peak_of(place, profile, rows, windows[axis], crossing[axis]));
     const auto feed = feeds.find(std::get<1>(place));
     out.back().feed = feed == feeds.end() ? std::numeric_limits<double>::quiet_NaN()
                                           : feed->second.first / feed->second.second;

@@ -72,7 +72,7 @@ void add_remarks_on_instrument(const CauseRows& rows, const CauseFit& fit,
   const bool times = std::any_of(motions.begin(), motions.end(), [](const CircleMotion& m) {
     return std::any_of(m.runs.begin(), m.runs.end(), [](const CircleRun& r) { return !r.time.empty(); });
   });
-  if (times && !tells_vibration(motions, fit.window))
+  if (times && !tells_vibration(motions, fit.window()))
     out.emplace_back(
         "too few rows between the reversals to look for a vibration: sample faster, or measure with a lower feed or a larger radius");
   if (!times)
@@ -159,6 +159,13 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
     out.emplace_back(
         "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be distinguished from those of the "
         "scales; measure at a second feed, at least twice as fast, and give both logs with --together");
+  for (const std::size_t axis : {0U, 1U}) {
+    constexpr double kBroad = 44.0 * kPi / 180.0;
+    if (fit.windows[axis] > kBroad)
+      out.push_back(fmt::format(
+          "what {0} does behind its reversals reaches over {1:.0f} degrees and more: a part of its spikes may be stated as backlash of {0}, scale mismatch or radius",
+          axis == 0 ? "x" : "y", fit.windows[axis] * 180.0 / kPi));
+  }
   if (is_found(causes, CauseKind::kReversalSpike)) {
     if (!rows.feeds_differ) {
       out.emplace_back(

@@ -69,6 +69,41 @@ TEST(Causes, SpikeAndNegativeBacklash) {
       Contains(HasSubstr("a spike of friction cannot be distinguished from backlash that closes late")));
 }
 
+// Compensation that moves too far, within a tenth of a second of the reversal: until it has moved the axis stands outside of the fit, which was taken
+// for a spike of that size.
+TEST(Causes, ABacklashThatIsCompensatedTooMuchIsNoSpike) {
+  VirtualMachine m;
+  m.backlash[0] = -8e-6;
+  std::mt19937_64 random(19);
+  VirtualRecord r = travel(m, kFeed, 1.3, random);
+  const double share = 1.0 - std::exp(-1.0 / (0.04 * m.rate));
+  double followed = r.x.front() - r.cx.front();
+  for (std::size_t i = 0; i < r.x.size(); ++i) {
+    if (i > 0 && r.t[i] - r.t[i - 1] > 0.5) followed = r.x[i] - r.cx[i];
+    followed += share * (r.x[i] - r.cx[i] - followed);
+    r.x[i] = r.cx[i] + followed;
+  }
+  const auto d = diagnose({r.motion(m.radius)});
+  ASSERT_TRUE(d);
+  EXPECT_EQ(found_in(*d), (std::vector<std::string>{"backlash x"}));
+  EXPECT_NEAR(cause_in(*d, CauseKind::kBacklash, 0).size, -8e-6, 0.1e-6);
+}
+
+// A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it became 8 um of backlash.
+TEST(Causes, ABroadSpikeIsNoBacklash) {
+  VirtualMachine m;
+  m.spike[0] = 10e-6;
+  m.spike_time = 0.4;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  ASSERT_FALSE(d.causes.empty());
+  EXPECT_EQ(found_in(d).front(), "reversal spike x");
+  // The top is 11 degrees behind the reversal, where the radius sees its cosine.
+  const double top = m.spike_time * kFeed / m.radius;
+  EXPECT_NEAR(cause_in(d, CauseKind::kReversalSpike, 0).size, 10e-6 * std::cos(top), 0.5e-6);
+  EXPECT_LT(std::abs(cause_in(d, CauseKind::kBacklash, 0).size), 0.5e-6);
+  EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
+}
+
 TEST(Causes, ASpikeAtOneEndOfAnAxis) {
   VirtualMachine m;
   m.spike[1] = 3e-6;

@@ -178,7 +178,7 @@ std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions
   int log = 0;
   for (const CircleMotion& m : motions) {
     for (const CircleRun& run : m.runs) {
-      const auto v = vibration_of(run, log, fit.window, explained);
+      const auto v = vibration_of(run, log, fit.window(), explained);
       if (v && (!best || v->amplitude > best->amplitude)) best = v;
     }
     ++log;

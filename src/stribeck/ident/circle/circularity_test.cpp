@@ -75,8 +75,9 @@ TEST(CircleMotion, RunInOffDirectionsAndLapsApart) {
     EXPECT_TRUE(m.runs[0].counter_clockwise);
     EXPECT_FALSE(m.runs[1].counter_clockwise);
     for (const CircleRun& run : m.runs) {
-      // Where the speed is within a tenth of the final one the last part of the run-in counts: 0.1 turn · (1 − 0.83).
-      EXPECT_NEAR(run.revolutions, 2.3, 0.04);
+      // Where the speed is within a tenth of the final one the last part of the run-in counts: 0.1 turn · (1 − 0.83). Of what is left
+      // beyond two laps, 15 degrees at both ends are not scored.
+      EXPECT_NEAR(run.revolutions, 2.3 - 30.0 / 360.0, 0.04);
       EXPECT_NEAR(run.feed, 0.1, 0.002);
       EXPECT_EQ(run.lap.back(), 2);
     }
@@ -119,10 +120,53 @@ TEST(CircleMotion, TheApproachIsNoPartOfTheCircle) {
       const auto [low, high] = std::minmax_element(m.runs[0].error.begin(), m.runs[0].error.end());
       EXPECT_NEAR(*low, -3e-6, near);
       EXPECT_NEAR(*high, 3e-6, near);
-      EXPECT_NEAR(m.runs[0].revolutions, 1.1, 0.04);
+      EXPECT_NEAR(m.runs[0].revolutions, 1.1 - 30.0 / 360.0, 0.04);
       EXPECT_GT(m.longest_arc, 2.1 * kPi);
     }
   }
+}
+
+// As controls move: in along the radius, a stop, one circle from rest to rest, a stop, out, and the same the other way round. The way
+// back began on the circle, so that its approach was in its middle and was scored: G was 2 mm.
+TEST(CircleMotion, AStopAndAnApproachAlongTheRadiusAreNotScored) {
+  const auto oval = [](double a, double) { return 3e-6 * std::cos(2.0 * a); };
+  for (const bool commanded : {true, false}) {
+    Travel t;
+    for (const double way : {1.0, -1.0}) {
+      const auto stand = [&](double radius) {
+        t.add(radius);
+        t.cx.back() = t.x.back(), t.cy.back() = t.y.back();
+      };
+      for (double r = 48e-3; r < 50e-3; r += 20e-6) stand(r);
+      for (int k = 0; k < 200; ++k) stand(50e-3);
+      t.rate = 0.0;
+      t.go(way * 0.02, kRate, oval);
+      t.go(way * 0.96, kRate, oval);
+      t.go(way * 0.02, 0.0, oval);
+      for (int k = 0; k < 200; ++k) stand(50e-3);
+      for (double r = 50e-3; r > 48e-3; r -= 20e-6) stand(r);
+    }
+    const CircleMotion m = t.motion(commanded);
+    ASSERT_EQ(m.runs.size(), 2U);
+    for (const CircleRun& run : m.runs) {
+      EXPECT_NEAR(run.revolutions, 1.0, 0.01);
+      const auto [low, high] = std::minmax_element(run.error.begin(), run.error.end());
+      EXPECT_NEAR(*low, -3e-6, commanded ? 0.1e-6 : 0.3e-6);
+      EXPECT_NEAR(*high, 3e-6, commanded ? 0.1e-6 : 0.3e-6);
+    }
+  }
+}
+
+// Two records joined with times that go on: the way back begins half a revolution elsewhere.
+TEST(CircleMotion, AJumpOfTheAngleEndsARun) {
+  const auto none = [](double, double) { return 0.0; };
+  Travel t;
+  t.go(1.5, kRate, none);
+  t.angle += kPi;
+  t.go(-1.5, kRate, none);
+  const CircleMotion m = t.motion();
+  ASSERT_EQ(m.runs.size(), 2U);
+  for (const CircleRun& run : m.runs) EXPECT_LT(run.revolutions, 1.5);
 }
 
 TEST(CircleMotion, ACommandOfAnotherRadiusIsSaid) {

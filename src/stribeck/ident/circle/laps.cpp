@@ -157,10 +157,13 @@ OnCircle on_circle(std::span<const double> x, std::span<const double> y, std::sp
                    std::span<const int> part, const Centre& c, double radius) {
   constexpr double kJump = 10.0;  // usual steps
   constexpr double kLeastJump = 5.0 * kPi / 180.0;
+  // Where there are times, rows may be missing within a run; farther than this is another place, as where records were joined.
+  constexpr double kLeastJumpInTime = 30.0 * kPi / 180.0;
   const double longest = longest_step(time);
+  const double usual = usual_angle(x, y, c);
   OnCircle out;
-  if (time.empty()) out.usual = usual_angle(x, y, c);
-  const double widest = std::max(kJump * out.usual, kLeastJump);
+  if (time.empty()) out.usual = usual;
+  const double widest = std::max(kJump * usual, time.empty() ? kLeastJump : kLeastJumpInTime);
   bool inside = false;
   double before = 0.0;
   double turned = 0.0;
@@ -174,7 +177,7 @@ OnCircle on_circle(std::span<const double> x, std::span<const double> y, std::sp
     out.turned.push_back(turned);
     const bool now = std::abs(std::hypot(dx, dy) - radius) <= kOffCircle * radius;
     const bool late = i > 0 && !time.empty() && !(time[i] > time[i - 1] && time[i] - time[i - 1] <= longest);
-    const bool jump = i > 0 && time.empty() && std::abs(step) > widest;
+    const bool jump = i > 0 && std::abs(step) > widest;
     const bool other = i > 0 && !part.empty() && part[i] != part[i - 1];
     const bool gap = late || jump || other;
     if (now && (!inside || gap)) out.rows.push_back({i, i});
@@ -224,6 +227,31 @@ Stretch without_approach(const std::vector<double>& radii, bool commanded, doubl
   return out;
 }
 
+/// The stretch without what both its ends do before the motion begins and after it has ended: a stop, an approach along the radius.
+Stretch without_rest(const std::vector<double>& turned, const Stretch& s) {
+  constexpr double kSameAngle = 0.2 * kPi / 180.0;
+  Stretch out = s;
+  for (std::size_t i = s.first; i < s.last; ++i) {
+    if (std::abs(turned[i] - turned[s.first]) <= kSameAngle) out.first = i;
+    if (std::abs(turned[i] - turned[s.last - 1]) <= kSameAngle) {
+      out.last = i + 1;
+      break;
+    }
+  }
+  return out.first < out.last ? out : s;
+}
+
+/// The stretch without up to 15 degrees at both ends that it has beyond whole laps: there the drives still settle behind the approach.
+Stretch settled(const std::vector<double>& turned, const Stretch& s) {
+  constexpr double kSettles = 15.0 * kPi / 180.0;
+  const double turn = turn_of(turned, s);
+  const double off = std::min(kSettles, 0.5 * (turn - whole_laps(turn)));
+  Stretch out = s;
+  while (out.first + 1 < out.last && std::abs(turned[out.first] - turned[s.first]) < off) ++out.first;
+  while (out.last > out.first + 1 && std::abs(turned[out.last - 1] - turned[s.last - 1]) < off) --out.last;
+  return out;
+}
+
 /// Whole revolutions farther off than an approach is.
 void note_other_circles(const CircleSamples& s, const std::vector<double>& turned,
                         const std::vector<double>& radii, double radius, std::vector<std::string>& notes) {
@@ -261,7 +289,8 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
   Found out;
   note_other_circles(s, on.turned, radii, radius, out.notes);
   for (const Stretch& rows : on.rows) {
-    for (const Stretch& whole : one_direction(on.turned, rows.first, rows.last, kSamePlace * on.usual)) {
+    for (const Stretch& way : one_direction(on.turned, rows.first, rows.last, kSamePlace * on.usual)) {
+      const Stretch whole = without_rest(on.turned, way);
       Stretch one = without_approach(radii, commanded, radius, whole);
       if (turn_of(on.turned, one) < kWholeTurn && turn_of(on.turned, whole) >= kWholeTurn) {
         out.notes.push_back(fmt::format(
@@ -285,7 +314,7 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
             s.row_of(one.first), s.row_of(one.last - 1)));
         scored = one;
       }
-      out.scored.push_back(scored);
+      out.scored.push_back(time.empty() ? scored : settled(on.turned, scored));
     }
   }
   out.turned = std::move(on.turned);

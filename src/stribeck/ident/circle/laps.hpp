@@ -4,11 +4,13 @@
 ///   e = |p − c| − R          radial error over the angle of travel
 ///
 /// Motion of one direction is a run; it ends where the angle turns back by more than 10 degrees, or where the positions leave the
-/// circle by more than a fifth of R. At both ends of a run, rows off the circle are its approach (a line or an arc): those more than
-/// six times the usual deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take
-/// clearly longer than usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a
-/// revolution would be left. A gap of the time ends a run too, and in a table without
-/// times a jump of the angle or another part of the samples. The ends are those of the command where there is one: it has no noise.
+/// circle by more than a fifth of R. At both ends of a run, rows that do not leave the angle of the first or the last one are a stop or an
+/// approach along the radius, and rows off the circle are an approach along a line or an arc: those more than six times the usual
+/// deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take clearly longer than
+/// usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution would be
+/// left. Of what is left beyond whole laps, up to 15 degrees at both ends are left out too, where there are times: the drives
+/// settle there. A gap of the time ends a run, and a jump of the angle (30 degrees, 5 in a table without times), and there another
+/// part of the samples. The ends are those of the command where there is one: it has no noise.
 ///
 ///   p positions [m], R intended radius [m], c centre of the least-squares circle of all runs' rows, of the command where there is one
 ///

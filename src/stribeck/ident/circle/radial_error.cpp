@@ -4,6 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/laps.hpp>
 #include <stribeck/ident/circle/minimum_zone.hpp>
 #include <stribeck/ident/circle/radial_error.hpp>
 
@@ -137,6 +138,24 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
   return {mean.x + centre.x, mean.y + centre.y, at.mean};
 }
 
+namespace {
+
+/// Of the rows up to the last whole lap: a part of a lap that is travelled twice would pull the centre to its side.
+LeastSquaresCircle circle_of_whole_laps(std::span<const double> x, std::span<const double> y) {
+  const LeastSquaresCircle all = least_squares_circle(x, y);
+  std::vector<double> turned{0.0};
+  const auto angle = [&](std::size_t i) { return std::atan2(y[i] - all.y, x[i] - all.x); };
+  for (std::size_t i = 1; i < x.size(); ++i)
+    turned.push_back(turned.back() + std::remainder(angle(i) - angle(i - 1), 2.0 * kPi));
+  const double whole = whole_laps(std::abs(turned.back()));
+  if (whole == 0.0) return all;
+  std::size_t rows = 0;
+  while (rows < x.size() && std::abs(turned[rows]) <= whole) ++rows;
+  return least_squares_circle(x.first(rows), y.first(rows));
+}
+
+}  // namespace
+
 CircleTest circle_test(const CircleSamples& s, double radius, double glitch_travel) {
   const std::size_t n = s.x.size();
   const bool commanded = !s.command_x.empty();
@@ -145,8 +164,8 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     throw std::invalid_argument("columns of different length");
   CircleTest t;
   t.radius = radius;
-  const LeastSquaresCircle fitted = least_squares_circle(s.x, s.y);
-  const LeastSquaresCircle centre = commanded ? least_squares_circle(s.command_x, s.command_y) : fitted;
+  const LeastSquaresCircle fitted = circle_of_whole_laps(s.x, s.y);
+  const LeastSquaresCircle centre = commanded ? circle_of_whole_laps(s.command_x, s.command_y) : fitted;
   t.centre_x = centre.x;
   t.centre_y = centre.y;
   // Of no use to say of another circle which way it turns.

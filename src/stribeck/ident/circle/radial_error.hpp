@@ -7,7 +7,7 @@
 ///   circular deviation G     width of the minimum zone (minimum_zone.hpp)
 ///
 ///   p positions [m], R intended radius [m], c centre of the least-squares circle of the command, or of p itself where there is no
-///   command; an error of position is then hidden
+///   command; an error of position is then hidden. Of whole laps: a part of a lap that is travelled twice would pull it to its side.
 ///
 /// Source: after ISO 230-4 for G; ISO 12181-1, formerly ISO 6318, for the least-squares circle.
 /// Not modelled: the path between two samples; run-in and run-out, which laps.hpp takes off.

@@ -96,6 +96,7 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
            {"rms_um", io::number_or_null(t.rms * kMicro)},
            {"circular_deviation_um", io::number_or_null(t.circular_deviation * kMicro)}});
     }
+    one["notes"] = log.notes;
     one["circular_test"] = log.test ? circular_test_json(*log.test) : Json(nullptr);
     one["diagnosis"] = log.diagnosis ? causes_json(*log.diagnosis, input.radius) : Json(nullptr);
     out["logs"].push_back(std::move(one));

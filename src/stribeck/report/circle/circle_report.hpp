@@ -3,7 +3,7 @@
 ///
 ///   json   {"schema": "stribeck.evaluate/1", "radius_mm", "logs": [{"label", "file", "beside": {head: value}, "circles":
 ///           [{"rows": the --where that chose them or null, "direction": "counter-clockwise" or "clockwise", "revolutions",
-///           "max_contour_error_um", "quadrant_glitch_um", "rms_um", "circular_deviation_um"}], "circular_test": {"directions",
+///           "max_contour_error_um", "quadrant_glitch_um", "rms_um", "circular_deviation_um"}], "notes", "circular_test": {"directions",
 ///           "mean_radial_deviation_um", "bidirectional_circular_deviation_um", "hysteresis_um", …}, "diagnosis": null or {"causes", "peaks",
 ///           "remarks", …}}], "diagnosis": the same of all logs with --together, else null}
 ///
