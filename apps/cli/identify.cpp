@@ -132,10 +132,12 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
   for (const LogsOfAxis& one : all) {
     auto [axis, found] = identify_logs(one.logs, one.options, options);
     const ident::Interval& mass = found.result.mass_interval;
+    // Before all others: with a wrong scale the whole result is wrong.
+    std::vector<std::string>& warnings = found.result.warnings;
     const std::string wrong = mass_contradiction(machine.axis(one.axis), mass.low, mass.high);
-    if (!wrong.empty() && found.result.force_unit == "N") found.result.warnings.push_back(wrong);
+    if (!wrong.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), wrong);
     const std::string too_far = travel_contradiction(machine.axis(one.axis), axis.records);
-    if (!too_far.empty()) found.result.warnings.push_back(too_far);
+    if (!too_far.empty()) warnings.insert(warnings.begin(), too_far);
     if (!o.output.empty()) {
       io::make_directory(o.output);
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
@@ -150,7 +152,7 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
     say(o.common,
         fmt::format("{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
-                    next_log(open, shell_quoted(o.logs.front()), shell_quoted(one.axis),
+                    next_log(open, found.result, shell_quoted(o.logs.front()), shell_quoted(one.axis),
                              o.output.empty() ? "" : shell_quoted(o.output + "/" + one.axis + ".toml"))));
   }
   write_json(o.common.json, json, made);

@@ -58,6 +58,8 @@ struct NamedColumn {
   const io::Column* column = nullptr;
   std::string unit;
   std::vector<const io::Column*> beside{};  ///< of the same unit, to be added to it: forces of several motors
+  std::vector<const io::Column*>
+      against{};  ///< the same, to be subtracted: of motors that turn the other way round
 };
 
 /// Its name in the file.

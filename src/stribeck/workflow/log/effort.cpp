@@ -277,6 +277,33 @@ std::vector<const io::Column*> of_other_motors(const io::Log& log, const std::st
   return {};
 }
 
+/// Correlation of two columns about their means; motors that are preloaded against each other differ by a constant.
+double correlation(const io::Column& a, const io::Column& b) {
+  double n = 0.0, sa = 0.0, sb = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  for (std::size_t i = 0; i < std::min(a.values.size(), b.values.size()); ++i) {
+    const double x = a.values[i], y = b.values[i];
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    n += 1.0, sa += x, sb += y, aa += x * x, bb += y * y, ab += x * y;
+  }
+  const double product = (n * aa - sa * sa) * (n * bb - sb * sb);
+  return product > 0.0 ? (n * ab - sa * sb) / std::sqrt(product) : 0.0;
+}
+
+/// Sorts out the motors that turn the other way round for the same direction of the axis.
+void take_mirrored_apart(NamedColumn& from, std::vector<std::string>& notes) {
+  constexpr double kMirrored = -0.8;
+  for (const io::Column* other : from.beside) {
+    const double r = correlation(*from.column, *other);
+    if (r > kMirrored) continue;
+    from.against.push_back(other);
+    notes.push_back(fmt::format(
+        "the force of {} runs against that of {} (correlation {:.2f}), as that of a motor that is mounted the other way "
+        "round does: it is subtracted",
+        io::in_quotes(header_of(*other)), io::in_quotes(header_of(*from.column)), r));
+  }
+  for (const io::Column* other : from.against) std::erase(from.beside, other);
+}
+
 /// The scale of a machine file is that of all motors together. Columns of each are averaged; one column stands for all.
 void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vector<std::string>& notes) {
   if (motors < 2) return;
@@ -299,8 +326,9 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
             ? fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first)
             : fmt::format("the axis has {} motors; {} and the same columns of the other motors are added",
                           motors, first));
+    take_mirrored_apart(e.from, notes);
   }
-  if (e.from.beside.size() + 1 == static_cast<std::size_t>(motors)) {
+  if (e.from.beside.size() + e.from.against.size() + 1 == static_cast<std::size_t>(motors)) {
     e.factor /= motors;
   } else if (!e.from.beside.empty()) {
     refuse_option("--map", fmt::format("got a sum of {} columns, the axis has {} motors in the machine file",
@@ -309,16 +337,20 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
 }
 
 /// A gain of the command line is one of a single column: what the other motor of a gantry does is left out.
-void note_second_motor(const Effort& e, const AxisColumns& columns, std::vector<std::string>& notes) {
+void note_second_motor(const Effort& e, const AxisColumns& columns, int motors,
+                       std::vector<std::string>& notes) {
   if (!e.from.beside.empty() || columns.mapped(e.what)) return;
   const auto others = of_other_motors(columns.log(), columns.axis(), *e.from.column, 2);
   if (others.empty()) return;
   const std::string& one = header_of(*e.from.column);
   const std::string& other = header_of(*others.front());
   notes.push_back(fmt::format(
-      "{} is the column of one motor, and {} of another one is not used: where both drive the axis, give a machine file with motors = 2, "
-      "or their sum with the gain of one motor, --map {}=\"{} + {}\"",
-      io::in_quotes(one), io::in_quotes(other), enum_name(e.what), one, other));
+      "{} is the column of one motor, and {} of another one is not used: where both drive the axis, {}, or their sum with the gain of "
+      "one motor, --map {}=\"{} + {}\"",
+      io::in_quotes(one), io::in_quotes(other),
+      motors > 1 ? "leave --gain out, so that the scale of the machine file and both columns are taken"
+                 : "give a machine file with motors = 2",
+      enum_name(e.what), one, other));
 }
 
 /// Whether the drive of the machine file gives the scale; it is then applied.
@@ -387,7 +419,7 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
     set_conversion(effort, columns.log());
     return effort;
   }
-  note_second_motor(effort, columns, notes);
+  note_second_motor(effort, columns, options.drive.motors, notes);
   if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
     scale(effort, 1.0, true, motion.per_radian);
     if (effort.unit != "N") {

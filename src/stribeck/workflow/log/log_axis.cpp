@@ -145,10 +145,12 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     for (const MotionColumn& m : motion.columns)
       signal_for(raw, m.what) = signals.of(*m.from.column, m.conversion, m.factor, i);
     raw.f = signals.of(*effort.from.column, effort.conversion, effort.factor, i);
-    for (const io::Column* other : effort.from.beside) {
-      const ident::log::Signal more = signals.of(*other, effort.conversion, effort.factor, i);
+    const auto add = [&](const io::Column* other, double sign) {
+      const ident::log::Signal more = signals.of(*other, effort.conversion, sign * effort.factor, i);
       std::transform(raw.f.y.begin(), raw.f.y.end(), more.y.begin(), raw.f.y.begin(), std::plus<>());
-    }
+    };
+    for (const io::Column* other : effort.from.beside) add(other, 1.0);
+    for (const io::Column* other : effort.from.against) add(other, -1.0);
     if (!selection.all) {
       raw.row = selection.runs[i];
       for (std::size_t& k : raw.row) ++k;  // counted from 1

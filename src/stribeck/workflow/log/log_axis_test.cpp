@@ -319,6 +319,26 @@ TEST(LogAxis, MotorsOfOneAxisAreAdded) {
   EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
 }
 
+// The second motor of a gantry is mounted the other way round: the sum would be their difference. Both are preloaded against each other.
+TEST(LogAxis, AMotorThatIsMountedTheOtherWayRoundIsSubtracted) {
+  workflow::LogOptions options{.axis = "y"};
+  options.drive.per_ampere = "20 N/A";
+  options.drive.motors = 2;
+  for (const bool mirrored : {true, false}) {
+    std::string text = "t [s],y [mm],Y1 Current (Arms),Y2 Current (Arms)\n";
+    for (int k = 0; k < 20; ++k)
+      text +=
+          fmt::format("{},{},{},{}\n", 0.001 * k, k, k % 7 + 5.0, (mirrored ? -1.0 : 1.0) * (k % 7) - 5.0);
+    const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), options);
+    // 10 N/A of each; the preload stays where it is added, and counts double where it is subtracted.
+    EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(3) - axis.runs.at(0).f.y.at(0), 60.0);
+    if (mirrored)
+      EXPECT_THAT(axis.notes, Contains(HasSubstr("\"Y2 Current (Arms)\" runs against that of")));
+    else
+      EXPECT_THAT(axis.notes, Not(Contains(HasSubstr("runs against"))));
+  }
+}
+
 // Half of the force makes half of the mass, and nothing else shows it.
 TEST(LogAxis, ASecondMotorThatIsNotUsedIsNamed) {
   std::string text = "t [s],y [mm],Y1 Torque (%),Y2 Torque (%)\n";
