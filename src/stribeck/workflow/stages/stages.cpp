@@ -86,11 +86,18 @@ class AxisStages {
       return axis_;
     }
     std::optional<Candidate> chosen;
+    std::vector<std::string> said;
     for (const std::string& candidate : held_out_candidates()) {
       std::vector<std::string> others = logs_.logs;
       std::erase(others, candidate);
-      chosen = identified(others);
-      if (chosen && !mass_known(chosen->found.result)) chosen.reset();
+      chosen = with_known_mass(others);
+      if (!chosen && is_named_verify(candidate)) {
+        chosen = with_one_left_out(others, said);
+        if (!chosen)
+          said.push_back(fmt::format(
+              "{} is not what the model is verified on, against its name: the other logs alone do not determine the mass",
+              candidate));
+      }
       if (!chosen) continue;
       axis_.held_out = candidate;
       axis_.logs = others;
@@ -100,11 +107,40 @@ class AxisStages {
     if (!scale_missing_.empty()) return without_scale();
     if (!chosen) return not_verified();
     describe(*chosen);
+    axis_.warnings.insert(axis_.warnings.begin(), said.begin(), said.end());
     verify_and_promote(*chosen);
     return axis_;
   }
 
  private:
+  static bool is_named_verify(const std::string& log) {
+    return name_in(log).find(kVerify) != std::string::npos;
+  }
+
+  /// Absent: they do not determine the mass.
+  std::optional<Candidate> with_known_mass(const std::vector<std::string>& logs) {
+    std::optional<Candidate> found = identified(logs);
+    if (found && !mass_known(found->found.result)) found.reset();
+    return found;
+  }
+
+  /// A log that tells little of the mass, as slow jogs do, may make its interval wider: without it the others may tell it. The logs are
+  /// then those that were used.
+  std::optional<Candidate> with_one_left_out(std::vector<std::string>& logs, std::vector<std::string>& said) {
+    if (logs.size() < 2 || !scale_missing_.empty()) return std::nullopt;
+    for (const std::string& log : std::vector<std::string>(logs)) {
+      std::vector<std::string> fewer = logs;
+      std::erase(fewer, log);
+      std::optional<Candidate> found = with_known_mass(fewer);
+      if (!found) continue;
+      logs = fewer;
+      said.push_back(
+          fmt::format("{} is left out: with it the mass is not determined, without it it is", log));
+      return found;
+    }
+    return std::nullopt;
+  }
+
   std::optional<Candidate> identified(const std::vector<std::string>& logs) {
     if (logs.empty()) return std::nullopt;
     try {
@@ -152,9 +188,7 @@ class AxisStages {
   /// Logs to hold out, the most suitable one first.
   [[nodiscard]] std::vector<std::string> held_out_candidates() const {
     std::vector<std::string> order(logs_.logs.rbegin(), logs_.logs.rend());
-    std::stable_partition(order.begin(), order.end(), [](const std::string& log) {
-      return name_in(log).find(kVerify) != std::string::npos;
-    });
+    std::stable_partition(order.begin(), order.end(), is_named_verify);
     return order;
   }
 
@@ -252,8 +286,9 @@ class AxisStages {
                                        axis_.held_out, options_.limits.usable));
       if (std::error_code ignored; fs::exists(path, ignored))
         axis_.open.push_back(path + " is still that of earlier logs");
-      axis_.next.push_back(fmt::format("stribeck identify {} --axis {} --report identify-{}",
-                                       report::joined(axis_.logs, " "), axis_.axis, axis_.axis));
+      axis_.next.push_back(fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
+                                       options_.machine, report::joined(axis_.logs, " "), axis_.axis,
+                                       axis_.axis));
       return;
     }
     if (std::error_code ignored; fs::exists(path, ignored) && io::sha256_of_file(path) != own_)
