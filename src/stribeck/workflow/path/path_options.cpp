@@ -95,6 +95,30 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const PathOpti
   return travels;
 }
 
+/// A circle that would leave the travel about position 0 is laid about the middle of the travel of its two axes.
+void keep_circle_in_travel(sim::Travel& travel, const sim::Machine& machine, const sim::CompareSpec& spec) {
+  const auto* curve = std::get_if<path::Curve>(&travel.path);
+  if (curve == nullptr || curve->shape != path::Shape::kCircle ||
+      (spec.axes.empty() && machine.axes.size() < 2))
+    return;
+  const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
+  if (axes.size() < 2) return;
+  path::Fourier<2> moved;
+  bool leaves = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const sim::AxisLimits& l = machine.axes[axes[i]].second.limits;
+    const double middle = 0.5 * (l.travel_min + l.travel_max);
+    if (middle - curve->size < l.travel_min) return;  // a smaller one is needed, and is asked for
+    leaves = leaves || -curve->size < l.travel_min || curve->size > l.travel_max;
+    moved.axis[i].offset = middle;
+    moved.axis[i].terms = {path::Harmonic{curve->size, 1.0, i == 0 ? 0.0 : -0.5 * kPi}};
+  }
+  if (!leaves) return;
+  travel.name = fmt::format("circle of {:.6g} mm about {:.6g}, {:.6g} mm", 1e3 * curve->size,
+                            1e3 * moved.axis[0].offset, 1e3 * moved.axis[1].offset);
+  travel.path = moved;
+}
+
 /// Whether parameters of it were printed.
 bool is_of_thesis(const sim::Machine& machine) {
   return std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) {
@@ -128,7 +152,10 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
     refuse_option("--acceleration, --jerk, --corner-tolerance",
                   "go with a G-code or CSV file as --path only");
   spec.travels.clear();
-  for (const double speed : speeds) spec.travels.push_back(make_travel(path, speed));
+  for (const double speed : speeds) {
+    spec.travels.push_back(make_travel(path, speed));
+    keep_circle_in_travel(spec.travels.back(), machine, spec);
+  }
 }
 
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path,
@@ -314,8 +341,11 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                 refuse_option(
                     "--size",
                     fmt::format(
-                        "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm (choose a smaller size)",
-                        name, limits.travel_min * 1e3, limits.travel_max * 1e3));
+                        "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm, at {:.6g} mm ({})", name,
+                        limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * q[0][i],
+                        limits.travel_min < 0.0 && limits.travel_max > 0.0
+                            ? "choose a smaller size"
+                            : "this shape lies about position 0: give it as --path POINTS.csv where the axis can go"));
               }
               const double square = dot(q[1], q[1]);
               if (travel.pace == path::Pace::kRate) {

@@ -47,6 +47,27 @@ TEST(PathOptions, FiveAxesOfOnesOwnTakeSpeeds) {
   EXPECT_EQ(default_experiment(machine, path), kOwn);
 }
 
+// Below position 0 as a vertical axis goes: no size of a circle about 0 would do.
+TEST(PathOptions, ACircleIsLaidIntoTheTravel) {
+  sim::Machine machine =
+      read_virtual_machine(std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml");
+  PathOptions path;
+  sim::CompareSpec spec;
+  use_path(spec, path, {5e-3}, machine, "m.toml");
+  EXPECT_TRUE(std::holds_alternative<path::Curve>(spec.travels.front().path));
+  machine.axes[1].second.limits.travel_min = -0.42;
+  machine.axes[1].second.limits.travel_max = 0.0;
+  use_path(spec, path, {5e-3}, machine, "m.toml");
+  const auto& moved = std::get<path::Fourier<2>>(spec.travels.front().path);
+  EXPECT_DOUBLE_EQ(moved.point(0.25 * moved.period())[1], -0.21 + 10e-3);
+  EXPECT_NO_THROW(check_travel(machine, "m.toml", spec));
+  // Other shapes lie about 0, and say so.
+  path.path = "eight";
+  use_path(spec, path, {5e-3}, machine, "m.toml");
+  EXPECT_THAT([&] { check_travel(machine, "m.toml", spec); },
+              ThrowsMessage<io::InputError>(HasSubstr("this shape lies about position 0")));
+}
+
 // The circle needs two axes; compare takes a sine.
 TEST(PathOptions, ARunOnOneAxisIsThatOfCompare) {
   const sim::Machine machine = read_virtual_machine(std::string(STRIBECK_SOURCE_DIR) +
