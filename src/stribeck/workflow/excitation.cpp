@@ -128,10 +128,23 @@ ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, 
   return design;
 }
 
+bool in_open_loop(const ExcitationOptions& o) {
+  return o.method == ExcitationMethod::kPulses || o.method == ExcitationMethod::kRamp;
+}
+
+/// A drive that closes a loop of its own takes a velocity or a position.
+void refuse_force_of_drive_loop(const ExcitationOptions& o, const std::string& name,
+                                const AxisDescription& axis) {
+  if (!in_open_loop(o) || !axis.drive_loop) return;
+  throw ident::Refused(fmt::format(
+      "{}: the drive of axis {} closes a {} loop of its own and takes no force (axes.{}.drive_loop); choose jog, sine, position-sine "
+      "or constant-acceleration",
+      enum_name(o.method), name, enum_name(axis.drive_loop->mode), name));
+}
+
 /// Forces in open loop do not hold what a brake holds now.
 void refuse_unsaid_weight(const ExcitationOptions& o, const std::string& name, const AxisDescription& axis) {
-  const bool open = o.method == ExcitationMethod::kPulses || o.method == ExcitationMethod::kRamp;
-  if (!open || !o.known.empty() || !axis.weight_unsaid()) return;
+  if (!in_open_loop(o) || !o.known.empty() || !axis.weight_unsaid()) return;
   throw ident::Refused(fmt::format(
       "{}: axis {} has a brake, as an axis with a weight has, but the machine file says no weight: without force it may "
       "fall. Write commissioning.{} (0 {} where nothing pulls), or choose jog, sine and constant-acceleration, which hold the "
@@ -146,6 +159,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
                                          axis.limits.acceleration, axis.force_limit(),     axis.rotary};
   const double middle = 0.5 * (limits.travel_min + limits.travel_max);
   const RoughAxis& rough = axis.commissioning;
+  refuse_force_of_drive_loop(o, machine.axes[which].first, axis);
   refuse_unsaid_weight(o, machine.axes[which].first, axis);
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);

@@ -185,9 +185,10 @@ class Explanation {
         fmt::format("{} ± {} at {} rad/s", travel(p.sine_offset.value), travel(p.sine_amplitude.value),
                     significant(p.sine_frequency.value, 3)),
         p.sine_amplitude.reason + "; " + p.sine_frequency.reason);
+    // Forces in open loop are neither for an axis that falls nor for a drive that closes a loop of its own.
     add("to excite",
-        falls_ ? "jog, sine, position-sine, constant-acceleration"
-               : "jog, sine, constant-acceleration; then pulses --known",
+        falls_ || a_.drive_loop ? "jog, sine, position-sine, constant-acceleration"
+                                : "jog, sine, constant-acceleration; then pulses --known",
         "jog: friction from the lowest speed; constant-acceleration: mass; sine: reversals");
     out_.numbers["omega_rad_per_s"] = p.omega.value;
     out_.numbers["observer_pole_per_s"] = p.observer_pole.value;

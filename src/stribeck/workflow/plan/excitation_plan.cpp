@@ -150,15 +150,28 @@ ExcitationPlan plan_excitation(const PlanOptions& given, const Progress& progres
   return plan;
 }
 
-std::string next_log(const std::vector<Wanted>& open, const std::string& machine, const std::string& axis,
-                     const std::string& axis_file) {
-  if (open.empty()) return {};
+std::string next_log(std::vector<Wanted> open, const ident::Result& r, const std::string& machine,
+                     const std::string& axis, const std::string& axis_file) {
+  std::string out;
+  const auto rests_open = [&](const char* name) {
+    const ident::Parameter* p = r.find(name);
+    return p != nullptr && !p->identifiable;
+  };
+  if (rests_open("static_positive") || rests_open("static_negative")) {
+    // The plan weighs friction over the speeds of the axis; what rises below the slowest one is told by jogs alone.
+    std::erase(open, Wanted::kFriction);
+    out = fmt::format(
+        "To tell static friction, record slow jogs:\n  stribeck excite {} --axis {} --method jog -o {}-jog.csv\n",
+        machine, axis, axis);
+  }
+  if (open.empty()) return out;
   std::vector<std::string> words;
   for (const Wanted w : open) words.emplace_back(enum_name(w));
-  return fmt::format(
-      "To tell {} better, plan the next log:\n  stribeck excite {} --axis {} --for {}{} -o next\n",
-      report::listed(words), machine, axis, fmt::join(words, ","),
-      axis_file.empty() ? "" : " --known " + axis_file);
+  return out +
+         fmt::format(
+             "To tell {} better, plan the next log:\n  stribeck excite {} --axis {} --for {}{} -o next\n",
+             report::listed(words), machine, axis, fmt::join(words, ","),
+             axis_file.empty() ? "" : " --known " + axis_file);
 }
 
 std::string text_of(const ExcitationPlan& plan) {

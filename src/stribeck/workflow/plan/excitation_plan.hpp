@@ -36,8 +36,8 @@ ExcitationPlan plan_excitation(const PlanOptions& options, const Progress& progr
 
 /// The command that plans the logs for what an identification left open, as a sentence; empty: nothing is open. The names of files are
 /// printed as they come: quoted for a shell where they have to be.
-std::string next_log(const std::vector<Wanted>& open, const std::string& machine, const std::string& axis,
-                     const std::string& axis_file);
+std::string next_log(std::vector<Wanted> open, const ident::Result& r, const std::string& machine,
+                     const std::string& axis, const std::string& axis_file);
 
 /// As a table with a sentence for what stays open.
 std::string text_of(const ExcitationPlan& plan);
