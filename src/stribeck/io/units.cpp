@@ -346,7 +346,10 @@ double to_si(std::string_view text, const Quantity& expected) {
   }
   const std::string_view digits = all.substr(0, number.length);
   if (!std::isfinite(number.value)) fail("got " + in_quotes(text) + ", expected a finite number");
-  const std::string_view unit = trimmed(all.substr(number.length));
+  std::string_view unit = trimmed(all.substr(number.length));
+  // "2500/min" is 2500 1/min.
+  std::string per;
+  if (unit.size() > 1 && unit[0] == '/') unit = per = "1" + std::string(unit);
   if (unit.empty() && !expected.unit.empty()) {
     fail("got " + in_quotes(text) + ", expected a unit after the number (missing unit: write " +
          example(digits, expected) + ")");
@@ -354,8 +357,10 @@ double to_si(std::string_view text, const Quantity& expected) {
   if (!unit.empty() && unit[0] == ',') {
     fail("got " + in_quotes(text) + ", expected a decimal point (write 1.5, not 1,5)");
   }
-  // "5 000 mm" or "5 10 mm": udunits2 would multiply. Only 1/… begins a unit with a digit.
-  const bool reciprocal = unit.size() > 1 && unit[0] == '1' && trimmed(unit.substr(1)).substr(0, 1) == "/";
+  // "5 000 mm" or "5 10 mm": udunits2 would multiply. Only 1/… begins a unit with a digit, and the 1000/min of position gains.
+  const auto slash = unit.find('/');
+  const std::string_view before = slash == std::string_view::npos ? "" : trimmed(unit.substr(0, slash));
+  const bool reciprocal = before == "1" || (before == "1000" && trimmed(unit.substr(slash + 1)) == "min");
   if (!unit.empty() && !reciprocal &&
       (is_digit(unit[0]) || unit[0] == '.' || unit[0] == '+' || unit[0] == '-')) {
     fail("got " + in_quotes(text) + ", expected one number and its unit (write it like " +

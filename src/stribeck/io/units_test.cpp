@@ -78,6 +78,12 @@ TEST(Units, TorquesOfDataSheetsAreForcesAtADistance) {
   EXPECT_NEAR(to_si("35 lb-in", quantity("N m", "N m")), 3.95446, 1e-5);
   EXPECT_NEAR(to_si("2 ft-lb", quantity("N m", "N m")), 2.71164, 1e-5);
   EXPECT_NEAR(to_si("25 oz-in/A", quantity("N m/A", "N m/A")), 0.176539, 1e-6);
+  EXPECT_NEAR(to_si("54 gcm²", quantity("kg m2", "kg m2")), 5.4e-6, 1e-18);
+  EXPECT_NEAR(to_si("2.4 kgm²", quantity("kg m2", "kg m2")), 2.4, 1e-15);
+  EXPECT_NEAR(to_si("1.2 kgcm2", quantity("kg m2", "kg m2")), 1.2e-4, 1e-18);
+  // A position gain as controls have it.
+  EXPECT_NEAR(to_si("2.5 1000/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);
+  EXPECT_NEAR(to_si("2500/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);
   EXPECT_NEAR(to_si("0.005 oz-in-s2", quantity("kg m2", "kg m2")), 3.53078e-5, 1e-9);
   EXPECT_NEAR(to_si("3 lb in2", quantity("kg m2", "kg m2")), 8.77919e-4, 1e-8);
 }

@@ -231,7 +231,7 @@ TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
 TEST(IdentifyReport, KeepsTheUnitsOfTheLog) {
   const std::string page =
       test::without_script(identify_report({"x", {test::own_units(true)}, "log.csv", "", ""}));
-  EXPECT_THAT(page, HasSubstr("Mass 57650 A s²/rad"));
+  EXPECT_THAT(page, HasSubstr("Inertia 57650 A s²/rad"));
   EXPECT_THAT(page, HasSubstr("velocity [rad/s]"));
   EXPECT_THAT(page, HasSubstr("residual [A]"));
   EXPECT_THAT(page, HasSubstr("period [rad]"));

@@ -26,7 +26,8 @@ std::string answer(const ident::Result& r, std::string_view axis) {
   // In the units of the table below.
   if (const ident::Parameter* mass = known("mass")) {
     const ShownParameter s = shown(*mass, units);
-    text += fmt::format("Mass {} {}", shown_number(s.value, s.low, s.high), printed_unit(s.unit));
+    text += fmt::format("{} {} {}", r.rotary || r.position_unit == "rad" ? "Inertia" : "Mass",
+                        shown_number(s.value, s.low, s.high), printed_unit(s.unit));
     if (std::isfinite(s.low) && std::isfinite(s.high))
       text += fmt::format(" (95 %: {} … {})", shown_number(s.low, s.low, s.high),
                           shown_number(s.high, s.low, s.high));

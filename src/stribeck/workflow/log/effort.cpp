@@ -359,11 +359,16 @@ bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& option
   const std::string gain = gain_of(options, e);
   if (gain.empty() || !apply_gain(e, gain, motion)) return false;
   if (e.what != LogQuantity::kVoltage) take_all_motors(e, columns, options.drive.motors, notes);
-  if (e.what != LogQuantity::kVoltage)
-    notes.push_back(
-        fmt::format("the force is that of column {} with {}{}, from the drive of the machine file",
-                    io::in_quotes(header_of(*e.from.column)), six_digits(gain),
-                    e.what == LogQuantity::kPercent ? " at 100 %" : ""));
+  if (e.what != LogQuantity::kVoltage) {
+    // Of an axis that turns, the torque of the motor times a pure number.
+    std::string scale = six_digits(gain);
+    const bool ratio = e.what == LogQuantity::kTorque && options.drive.rotary;
+    if (ratio) scale = "a ratio of " + scale.substr(0, scale.find(' '));
+    notes.push_back(fmt::format("the {} is that of column {} with {}{}, from the drive of the machine file",
+                                options.drive.rotary ? "torque" : "force",
+                                io::in_quotes(header_of(*e.from.column)), scale,
+                                e.what == LogQuantity::kPercent ? " at 100 %" : ""));
+  }
   return true;
 }
 

@@ -60,8 +60,10 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
   if (!(plate.encoder_resolution > 0.0)) {
     throw io::InputError(
         {machine_file, 0, fmt::format("axes.{}.commissioning.encoder_resolution", name),
-         "missing, expected the step of the encoder, with which the axis is simulated (write "
-         "encoder_resolution = \"1 um\", with your value)"});
+         fmt::format(
+             "missing, expected the step of the encoder, with which the axis is simulated (write encoder_resolution = "
+             "\"{}\", with your value)",
+             axis.rotary ? "0.0001 deg" : "1 um")});
   }
   const double friction = file.model.friction.parts(kSlow, 0.0).level;
   double standing = std::abs(file.model.load);

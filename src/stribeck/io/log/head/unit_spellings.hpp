@@ -75,12 +75,16 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 61> k
 }};
 
 /// Spellings of units in controls, drives and their tools.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 74> kSpellings{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 78> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
     {"A_rms", "A"},
     {"A rms", "A"},
+    {"A RMS", "A"},
+    {"A_RMS", "A"},
+    {"A_eff", "A"},
+    {"A eff", "A"},
     {"Amp", "A"},
     {"Volt", "V"},
     {"Grad", "deg"},
