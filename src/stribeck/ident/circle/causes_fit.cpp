@@ -224,9 +224,9 @@ CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& 
 CauseFit fit_with_window(const CauseRows& rows, const Design& design) {
   WindowSearch search(rows, design);
   CauseFit fit = search.common();
-  // Short windows leave nothing out that matters.
+  // Short windows leave nothing out that matters; from one direction the few rows behind long ones do not tell the causes apart.
   constexpr double kLong = 12.0 * kDegree;
-  if (fit.rest.size() == 0 || fit.window() < kLong) return fit;
+  if (fit.rest.size() == 0 || fit.window() < kLong || !rows.both_directions) return fit;
   fit = search.wider(std::move(fit));
   return search.shorter_of_one_axis(std::move(fit));
 }
