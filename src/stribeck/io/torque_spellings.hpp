@@ -9,7 +9,7 @@
 
 namespace stribeck::io::detail {
 
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 36> kTorques{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 39> kTorques{{
     {"lb-in", "lbf in"},       {"lb in", "lbf in"},       {"lbf-in", "lbf in"},
     {"in-lb", "lbf in"},       {"in lb", "lbf in"},       {"in-lbf", "lbf in"},
     {"lb-ft", "lbf ft"},       {"lb ft", "lbf ft"},       {"lbf-ft", "lbf ft"},
@@ -21,6 +21,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 36> k
     {"kgm2", "kg m2"},         {"kgm²", "kg m2"},         {"kgm^2", "kg m2"},
     {"kg-m2", "kg m2"},        {"kgcm2", "kg cm2"},       {"kgcm²", "kg cm2"},
     {"kg-cm2", "kg cm2"},      {"kgmm2", "kg mm2"},       {"kgmm²", "kg mm2"},
+    {"kgcm^2", "kg cm2"},      {"kgmm^2", "kg mm2"},      {"gcm^2", "g cm2"},
     {"gcm2", "g cm2"},         {"gcm²", "g cm2"},         {"g-cm2", "g cm2"},
 }};
 

@@ -349,7 +349,8 @@ double to_si(std::string_view text, const Quantity& expected) {
   std::string_view unit = trimmed(all.substr(number.length));
   // "2500/min" is 2500 1/min.
   std::string per;
-  if (unit.size() > 1 && unit[0] == '/') unit = per = "1" + std::string(unit);
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  if (unit.size() > 1 && unit[0] == '/' && is_letter(unit[1])) unit = per = "1" + std::string(unit);
   if (unit.empty() && !expected.unit.empty()) {
     fail("got " + in_quotes(text) + ", expected a unit after the number (missing unit: write " +
          example(digits, expected) + ")");

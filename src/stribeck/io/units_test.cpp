@@ -81,6 +81,7 @@ TEST(Units, TorquesOfDataSheetsAreForcesAtADistance) {
   EXPECT_NEAR(to_si("54 gcm²", quantity("kg m2", "kg m2")), 5.4e-6, 1e-18);
   EXPECT_NEAR(to_si("2.4 kgm²", quantity("kg m2", "kg m2")), 2.4, 1e-15);
   EXPECT_NEAR(to_si("1.2 kgcm2", quantity("kg m2", "kg m2")), 1.2e-4, 1e-18);
+  EXPECT_THROW(to_si("12/3 mm", quantity("m", "mm")), InputError);
   // A position gain as controls have it.
   EXPECT_NEAR(to_si("2.5 1000/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);
   EXPECT_NEAR(to_si("2500/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);

@@ -1,3 +1,4 @@
+#include <stdexcept>
 #include <stribeck/plant/axis_group.hpp>
 #include <stribeck/plant/axis_parts.hpp>
 #include <stribeck/plant/packed/instruction_sets.hpp>
@@ -102,6 +103,11 @@ struct AxisGroup::Blocks {
   };
 
   Blocks(std::vector<Axis*> given, const InstructionSet* with) : axes(std::move(given)) {
+    if (!axes.empty()) period = axes.front()->implementation_->period;
+    for (const Axis* a : axes) {
+      if (a->implementation_->period != period)
+        throw std::invalid_argument("the drives of a group need one control period");
+    }
     for (std::size_t i = 0; i < axes.size(); ++i) {
       Axis::Implementation& axis = *axes[i]->implementation_;
       bool fits = false;
@@ -120,7 +126,6 @@ struct AxisGroup::Blocks {
       for (const Member& m : b->members) alone.push_back(m.index);
       b = blocks.erase(b);
     }
-    period = axes.empty() ? 0.0 : axes.front()->implementation_->period;
   }
 
   Block& block_for(const BlockKind& kind, const PackedDrive& drive) {

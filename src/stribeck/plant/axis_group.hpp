@@ -24,8 +24,8 @@ struct AxisInput {
 
 class AxisGroup {
  public:
-  /// The axes must outlive the group, and must have been started: with each start() of an axis begins another group. with: null for no
-  /// packs.
+  /// The axes must outlive the group, and must have been started; after another start() make another group. with: null for no packs.
+  /// std::invalid_argument where their control periods differ.
   AxisGroup(std::vector<Axis*> axes, const InstructionSet* with);
   /// With the widest packs of this computer.
   explicit AxisGroup(std::vector<Axis*> axes);

@@ -241,8 +241,8 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   return out;
 }
 
-/// Where the axes cross their play after a reversal, and stand still; or, where it is compensated too much, where the compensation moves
-/// them: how long that takes is not known, at most until the fit begins.
+/// Where the axes cross their play after a reversal, and stand still. A play that is compensated too much has another end: the
+/// compensation moves the axis for a time that is not known, at most until the fit begins.
 std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, double radius,
                                          const Windows& windows) {
   std::array<Crossing, 2> out{};
@@ -342,6 +342,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   out.remarks = remarks_on(f.rows, f.fit, out.causes, out.peaks, motions, commanded);
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window();
+  out.both_directions = f.rows.both_directions;
   const auto [low, high] =
       std::minmax_element(f.rows.rows.begin(), f.rows.rows.end(),
                           [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });

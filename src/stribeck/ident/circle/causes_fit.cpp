@@ -156,7 +156,6 @@ class WindowSearch {
       const double w = degrees * kDegree;
       CauseFit best;
       for (const Windows& tried : {Windows{w, fit.windows[1]}, Windows{fit.windows[0], w}, Windows{w, w}}) {
-        if (tried == fit.windows) continue;
         CauseFit other = with(tried[0], tried[1]);
         if (other.rest.size() == 0) continue;
         if (best.rest.size() == 0 || other.variance * kChance < best.variance) best = std::move(other);

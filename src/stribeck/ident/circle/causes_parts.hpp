@@ -100,8 +100,9 @@ struct CauseFit {
   [[nodiscard]] double window() const { return std::max(windows[0], windows[1]); }
 };
 CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows);
-/// The same with the shortest windows that leave no more than any longer ones. Beyond 32 degrees, which leaves out a third of the circle
-/// and more, where that takes off a fifth of the variance.
+/// The same with the shortest window that leaves no more than any longer one. Where both directions were measured and that window is
+/// long, longer ones are tried for each axis (45 and 60 degrees, which must take off a fifth of the variance), and then shorter ones for
+/// the axis that needs none.
 CauseFit fit_with_window(const CauseRows& rows, const Design& design);
 
 /// Pitches that lower the rest clearly, at most two.
@@ -113,7 +114,7 @@ std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, co
 /// What an axis does behind a reversal: it crosses its play and stands still, or its compensation takes its time for a step that is too
 /// large.
 struct Crossing {
-  double angle = 0.0;  ///< in which it does [rad]; 0: it has no play
+  double angle = 0.0;  ///< that it needs for it, behind the reversal [rad]; 0: it has no play
   double play = 0.0;   ///< size of the play, or of the step [m]
 };
 /// Where an axis crosses its play no peak is looked for, except one that is larger than the play.

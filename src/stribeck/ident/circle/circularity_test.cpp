@@ -157,6 +157,20 @@ TEST(CircleMotion, AStopAndAnApproachAlongTheRadiusAreNotScored) {
   }
 }
 
+// A row for every 3.9 degrees: what settles at both ends is less than the revolution has beyond a whole one.
+TEST(CircleMotion, AWholeRevolutionIsLeftOfFewRows) {
+  for (const double degrees : {361.0, 364.0, 375.0, 386.0, 721.0, 725.0}) {
+    Travel t;
+    for (double a = 0.0; a <= degrees; a += 3.9) {
+      t.angle = a * kPi / 180.0;
+      t.add(50e-3);
+    }
+    const CircleMotion m = t.motion();
+    ASSERT_EQ(m.runs.size(), 1U) << degrees;
+    EXPECT_GT(m.runs[0].revolutions, degrees > 720.0 ? 1.98 : 0.98) << degrees;
+  }
+}
+
 // Two records joined with times that go on: the way back begins half a revolution elsewhere.
 TEST(CircleMotion, AJumpOfTheAngleEndsARun) {
   const auto none = [](double, double) { return 0.0; };

@@ -227,7 +227,7 @@ Stretch without_approach(const std::vector<double>& radii, bool commanded, doubl
   return out;
 }
 
-/// The stretch without what both its ends do before the motion begins and after it has ended: a stop, an approach along the radius.
+/// The stretch without what stands at both its ends while the angle stays: a stop, an approach along the radius.
 Stretch without_rest(const std::vector<double>& turned, const Stretch& s) {
   constexpr double kSameAngle = 0.2 * kPi / 180.0;
   Stretch out = s;
@@ -247,8 +247,9 @@ Stretch settled(const std::vector<double>& turned, const Stretch& s) {
   const double turn = turn_of(turned, s);
   const double off = std::min(kSettles, 0.5 * (turn - whole_laps(turn)));
   Stretch out = s;
-  while (out.first + 1 < out.last && std::abs(turned[out.first] - turned[s.first]) < off) ++out.first;
-  while (out.last > out.first + 1 && std::abs(turned[out.last - 1] - turned[s.last - 1]) < off) --out.last;
+  // A row farther would take away more than that where rows are far apart.
+  while (out.first + 1 < out.last && std::abs(turned[out.first + 1] - turned[s.first]) <= off) ++out.first;
+  while (out.last > out.first + 1 && std::abs(turned[out.last - 2] - turned[s.last - 1]) <= off) --out.last;
   return out;
 }
 

@@ -9,8 +9,8 @@
 /// deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take clearly longer than
 /// usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution would be
 /// left. Of what is left beyond whole laps, up to 15 degrees at both ends are left out too, where there are times: the drives
-/// settle there. A gap of the time ends a run, and a jump of the angle (30 degrees, 5 in a table without times), and there another
-/// part of the samples. The ends are those of the command where there is one: it has no noise.
+/// settle there. A gap of the time ends a run, and so does a jump of the angle: by 30 degrees, in a table without times by 5. In such a
+/// table another part of the samples ends it too. The ends are those of the command where there is one: it has no noise.
 ///
 ///   p positions [m], R intended radius [m], c centre of the least-squares circle of all runs' rows, of the command where there is one
 ///

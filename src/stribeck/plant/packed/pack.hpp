@@ -54,7 +54,7 @@ class Pack {
   friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v_ - b.v_); }
   friend Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v_ * b.v_); }
   friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v_ / b.v_); }
-  friend Pack operator-(const Pack& a) { return Pack(-a.v_); }
+  friend Pack operator-(const Pack& a) { return Pack(a.v_ ^ Batch(-0.0)); }  // of zero too
   friend Mask operator<(const Pack& a, const Pack& b) { return a.v_ < b.v_; }
   friend Mask operator>(const Pack& a, const Pack& b) { return a.v_ > b.v_; }
   friend Mask operator>=(const Pack& a, const Pack& b) { return a.v_ >= b.v_; }

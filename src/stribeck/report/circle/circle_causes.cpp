@@ -72,6 +72,14 @@ std::string place_of(const QuadrantPeak& p) {
 
 }  // namespace
 
+std::string next_step(const Diagnosis& d, const Cause& c) {
+  const bool open = c.kind == CauseKind::kBacklash || c.kind == CauseKind::kSquareness ||
+                    c.kind == CauseKind::kScaleMismatch || c.kind == CauseKind::kStraightness ||
+                    c.kind == CauseKind::kCyclic;
+  const std::string next(words_of(c.kind).next_step);
+  return open && !d.both_directions ? "measure the other direction too, then " + next : next;
+}
+
 std::string causes_text(const std::string& label, const Diagnosis& d) {
   std::string out = "Causes" + (label.empty() ? "" : " of " + clean_text(label)) + "\n";
   std::vector<TextColumn> columns{{"cause", "", {}, false}, {"size", "µm", {}}, {"±", "µm", {}},
@@ -95,7 +103,7 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
       const auto words = words_of(c.kind);
       const std::string figures = printed_figures(c);
       out += fmt::format("{}: {}{}. Next: {}.\n", name_of(c), words.meaning,
-                         figures.empty() ? "" : " (" + figures + ")", words.next_step);
+                         figures.empty() ? "" : " (" + figures + ")", next_step(d, c));
     }
   }
   for (const std::string& remark : d.remarks) out += "Note: " + remark + ".\n";
@@ -126,7 +134,7 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
          Cell{.text = micrometres(c.size), .spread = "± " + significant(c.half_width * kMicro, 2)},
          Cell{.text = micrometres(c.effect)}, Cell{.text = share_of(c)}, Cell{.text = cured(c)},
          Cell{.text = printed_figures(c)},
-         Cell{.text = std::string(words.next_step), .note = std::string(words.meaning)}});
+         Cell{.text = next_step(d, c), .note = std::string(words.meaning)}});
   }
   if (!table.rows.empty()) page.table(table);
   page.remark(

@@ -324,7 +324,8 @@ std::string answer(const CircleReportInput& input) {
   }
   if (const auto* cause = main_cause(input, last)) {
     text += fmt::format(" The largest cause{} is {} (effect {} µm): {}.", whose_causes(input),
-                        cause_name(*cause), micrometres(cause->effect), words_of(cause->kind).next_step);
+                        cause_name(*cause), micrometres(cause->effect),
+                        next_step(input.together ? *input.together : *last.diagnosis, *cause));
   } else if (last.diagnosis || input.together) {
     text += " No cause stands out of the scatter: leave it as it is.";
   }

@@ -21,6 +21,9 @@ std::string circular_test_text(const CircleReportInput& input);
 void add_circular_test(Page& page, const CircleReportInput& input);
 nlohmann::ordered_json circular_test_json(const ident::circle::CircularTest& test);
 
+/// The next step for a cause. What one direction alone does not tell for sure is not to be set right by it.
+std::string next_step(const ident::circle::Diagnosis& diagnosis, const ident::circle::Cause& cause);
+
 /// Table, next steps and remarks.
 std::string causes_text(const std::string& label, const ident::circle::Diagnosis& diagnosis);
 /// The largest causes in one line, for one log of several.

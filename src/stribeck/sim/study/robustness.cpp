@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/sim/study/robustness.hpp>
+#include <thread>
 #include <utility>
 
 namespace stribeck::sim {
@@ -24,12 +26,16 @@ void run_machines(const Machine& nominal, const std::vector<AxisKnowledge>& know
     if (of.refused) std::rethrow_exception(of.refused);
     for (std::size_t i = 0; i < of.runs.size(); ++i) place(result.rows[i]) = of.runs[i];
   };
-  // The nominal machine first, then as many together as fill the packs.
-  constexpr std::size_t kTogether = MachineRuns::kTogether;
-  const std::size_t blocks = (spec.machines + kTogether - 1) / kTogether;
+  // The nominal machine is a job of its own; of the others as many together as fill the packs, where all threads have enough of them.
+  const std::size_t threads =
+      spec.threads > 0 ? spec.threads : std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t together =
+      std::clamp<std::size_t>(spec.machines / (2 * threads), 1, MachineRuns::kTogether);
+  const std::size_t blocks = (spec.machines + together - 1) / together;
   const auto machines_before = [&](std::size_t block) {
-    return std::min<std::size_t>(block * kTogether, spec.machines);
+    return std::min<std::size_t>(block * together, spec.machines);
   };
+  std::atomic<std::size_t> finished{0};
   parallel_for(
       blocks + 1, spec.threads, [] { return 0; },
       [&](int&, std::size_t job) {

@@ -277,31 +277,56 @@ std::vector<const io::Column*> of_other_motors(const io::Log& log, const std::st
   return {};
 }
 
-/// Correlation of two columns about their means; motors that are preloaded against each other differ by a constant.
+/// Correlation of two columns about their means (motors may be preloaded against each other); 0 where one of them is constant.
 double correlation(const io::Column& a, const io::Column& b) {
-  double n = 0.0, sa = 0.0, sb = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
-  for (std::size_t i = 0; i < std::min(a.values.size(), b.values.size()); ++i) {
-    const double x = a.values[i], y = b.values[i];
-    if (!std::isfinite(x) || !std::isfinite(y)) continue;
-    n += 1.0, sa += x, sb += y, aa += x * x, bb += y * y, ab += x * y;
-  }
-  const double product = (n * aa - sa * sa) * (n * bb - sb * sb);
-  return product > 0.0 ? (n * ab - sa * sb) / std::sqrt(product) : 0.0;
+  const std::size_t rows = std::min(a.values.size(), b.values.size());
+  const auto each = [&](auto&& act) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (std::isfinite(a.values[i]) && std::isfinite(b.values[i])) act(a.values[i], b.values[i]);
+    }
+  };
+  double n = 0.0, mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  each([&](double x, double y) { n += 1.0, mean_a += x, mean_b += y; });
+  if (n == 0.0) return 0.0;
+  mean_a /= n, mean_b /= n;
+  each([&](double x, double y) {
+    aa += (x - mean_a) * (x - mean_a), bb += (y - mean_b) * (y - mean_b), ab += (x - mean_a) * (y - mean_b);
+  });
+  constexpr double kConstant = 1e-9;  // of the mean
+  if (!(aa > n * std::pow(kConstant * mean_a, 2)) || !(bb > n * std::pow(kConstant * mean_b, 2))) return 0.0;
+  return ab / std::sqrt(aa * bb);
 }
 
-/// Sorts out the motors that turn the other way round for the same direction of the axis.
-void take_mirrored_apart(NamedColumn& from, std::vector<std::string>& notes) {
-  constexpr double kMirrored = -0.8;
+constexpr double kMirrored = -0.8;
+
+/// Sorts out the motors that turn the other way round for the same direction of the axis, and says what becomes of all.
+void take_mirrored_apart(NamedColumn& from, int motors, std::vector<std::string>& notes) {
+  std::string text =
+      fmt::format("the axis has {} motors; {} and the same columns of the other motors are added", motors,
+                  io::in_quotes(header_of(*from.column)));
   for (const io::Column* other : from.beside) {
     const double r = correlation(*from.column, *other);
     if (r > kMirrored) continue;
     from.against.push_back(other);
-    notes.push_back(fmt::format(
-        "the force of {} runs against that of {} (correlation {:.2f}), as that of a motor that is mounted the other way "
-        "round does: it is subtracted",
-        io::in_quotes(header_of(*other)), io::in_quotes(header_of(*from.column)), r));
+    text += fmt::format(
+        ", but {} is subtracted: it runs against the first one (correlation {:.2f}), as the force of a motor that is "
+        "mounted the other way round does",
+        io::in_quotes(header_of(*other)), r);
   }
   for (const io::Column* other : from.against) std::erase(from.beside, other);
+  notes.push_back(std::move(text));
+}
+
+/// A sum that was asked for is taken as it was.
+void note_mirrored(const NamedColumn& from, std::vector<std::string>& notes) {
+  for (const io::Column* other : from.beside) {
+    const double r = correlation(*from.column, *other);
+    if (r > kMirrored) continue;
+    notes.push_back(fmt::format(
+        "{} runs against {} (correlation {:.2f}), and their sum leaves little of either: of a motor that is mounted the other way round "
+        "the force counts with the other sign (leave --map out: with motors in the machine file it is subtracted)",
+        io::in_quotes(header_of(*other)), io::in_quotes(header_of(*from.column)), r));
+  }
 }
 
 /// The scale of a machine file is that of all motors together. Columns of each are averaged; one column stands for all.
@@ -321,12 +346,14 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
       return;
     }
     e.from.beside = others;
-    notes.push_back(
-        others.empty()
-            ? fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first)
-            : fmt::format("the axis has {} motors; {} and the same columns of the other motors are added",
-                          motors, first));
-    take_mirrored_apart(e.from, notes);
+    if (others.empty()) {
+      notes.push_back(
+          fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first));
+    } else {
+      take_mirrored_apart(e.from, motors, notes);
+    }
+  } else {
+    note_mirrored(e.from, notes);
   }
   if (e.from.beside.size() + e.from.against.size() + 1 == static_cast<std::size_t>(motors)) {
     e.factor /= motors;

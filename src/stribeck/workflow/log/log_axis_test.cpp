@@ -333,9 +333,16 @@ TEST(LogAxis, AMotorThatIsMountedTheOtherWayRoundIsSubtracted) {
     // 10 N/A of each; the preload stays where it is added, and counts double where it is subtracted.
     EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(3) - axis.runs.at(0).f.y.at(0), 60.0);
     if (mirrored)
-      EXPECT_THAT(axis.notes, Contains(HasSubstr("\"Y2 Current (Arms)\" runs against that of")));
+      EXPECT_THAT(axis.notes, Contains(HasSubstr("\"Y2 Current (Arms)\" is subtracted: it runs against")));
     else
       EXPECT_THAT(axis.notes, Not(Contains(HasSubstr("runs against"))));
+    workflow::LogOptions summed = options;
+    summed.maps = {"current=Y1 Current (Arms) + Y2 Current (Arms)"};
+    const auto said = Contains(HasSubstr("their sum leaves little of either"));
+    if (mirrored)
+      EXPECT_THAT(workflow::logged_axis(log_of(text), summed).notes, said);
+    else
+      EXPECT_THAT(workflow::logged_axis(log_of(text), summed).notes, Not(said));
   }
 }
 

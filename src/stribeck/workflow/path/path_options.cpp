@@ -328,6 +328,9 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
               "speed or fewer laps)",
               ticks, kMostTicks));
     }
+    // A circle is laid into the travel if it fits.
+    const auto* shape = std::get_if<path::Curve>(&travel.path);
+    const bool circle = shape != nullptr && shape->shape == path::Shape::kCircle;
     std::visit(
         [&](const auto& path) {
           for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -343,7 +346,7 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                     fmt::format(
                         "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm, at {:.6g} mm ({})", name,
                         limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * q[0][i],
-                        limits.travel_min < 0.0 && limits.travel_max > 0.0
+                        circle || (limits.travel_min < 0.0 && limits.travel_max > 0.0)
                             ? "choose a smaller size"
                             : "this shape lies about position 0: give it as --path POINTS.csv where the axis can go"));
               }

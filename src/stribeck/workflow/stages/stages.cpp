@@ -128,7 +128,12 @@ class AxisStages {
   /// then those that were used.
   std::optional<Candidate> with_one_left_out(std::vector<std::string>& logs, std::vector<std::string>& said) {
     if (logs.size() < 2 || !scale_missing_.empty()) return std::nullopt;
-    for (const std::string& log : std::vector<std::string>(logs)) {
+    std::vector<std::string> order = logs;
+    std::stable_partition(order.begin(), order.end(), [](const std::string& log) {
+      return name_in(log).find("jog") != std::string::npos ||
+             name_in(log).find("stroke") != std::string::npos;
+    });
+    for (const std::string& log : order) {
       std::vector<std::string> fewer = logs;
       std::erase(fewer, log);
       std::optional<Candidate> found = with_known_mass(fewer);

@@ -242,10 +242,11 @@ class Task {
   /// Runs that a process of several computes at a time: they keep all threads busy, fill the packs where the study has so many, and
   /// leave some for the others.
   [[nodiscard]] std::uint64_t at_a_time() const {
-    const std::uint64_t threads =
-        options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
     constexpr std::uint64_t kShares = 16;
-    return std::clamp(study_.runs / kShares, threads, threads * sim::MachineRuns::kTogether);
+    return std::clamp(study_.runs / kShares, threads(), 2 * threads() * runner_.most_together());
+  }
+  [[nodiscard]] std::uint64_t threads() const {
+    return options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
   }
   /// The rows of these runs, handed over in their order: take(run, rows).
   template <class Take>
@@ -274,21 +275,22 @@ class Task {
     return get_parameters(study.machine, study.machine_file, study.parameters, spec);
   }
 
-  /// Runs number(0) to number(count − 1), as many together as fill the packs.
+  /// Runs number(0) to number(count − 1), as many together as fill the packs where all threads have enough of them.
   template <class Number, class Take>
   void compute_some(std::uint64_t count, Number&& number, Take&& take) const {
-    constexpr std::uint64_t kTogether = sim::MachineRuns::kTogether;
+    const std::uint64_t kept_busy = 2 * threads();
+    const std::uint64_t together = std::clamp<std::uint64_t>(count / kept_busy, 1, runner_.most_together());
     const auto runs_of = [&](std::uint64_t block) {
       std::vector<std::uint64_t> runs;
-      for (std::uint64_t i = block * kTogether; i < std::min(count, (block + 1) * kTogether); ++i)
+      for (std::uint64_t i = block * together; i < std::min(count, (block + 1) * together); ++i)
         runs.push_back(number(i));
       return runs;
     };
     sim::in_order(
-        0, (count + kTogether - 1) / kTogether, options_.threads,
+        0, (count + together - 1) / together, options_.threads,
         [&](std::uint64_t block) { return runner_.texts(runs_of(block)); },
         [&](std::uint64_t block, const std::vector<std::string>& rows) {
-          for (std::size_t i = 0; i < rows.size(); ++i) take(number(block * kTogether + i), rows[i]);
+          for (std::size_t i = 0; i < rows.size(); ++i) take(number(block * together + i), rows[i]);
         });
   }
 

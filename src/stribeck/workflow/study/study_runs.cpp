@@ -32,6 +32,10 @@ StudyRuns::StudyRuns(const Study& s, const Parameters& parameters)
       design_(s.design()),
       once_(s.machine, parameters.knowledge, s.spec.travels, s.axes, s.spec.controllers, s.file.seed) {}
 
+std::size_t StudyRuns::most_together() const {
+  return s_.file.identification == StudyIdentification::kOnce ? sim::MachineRuns::kTogether : 1;
+}
+
 std::string StudyRuns::beginning(std::uint64_t run) const {
   const std::vector<double> values = s_.values(design_, run);
   std::string begin = fmt::format("{},{}", run, run / s_.runs_per_sample());
@@ -50,12 +54,30 @@ std::vector<std::string> StudyRuns::texts(std::span<const std::uint64_t> runs) c
   if (s_.file.identification == StudyIdentification::kOnce) {
     std::vector<sim::MachineTrial> machines;
     for (const std::uint64_t run : runs) machines.push_back({machine_of(run), trial_of(run)});
-    const std::vector<sim::RunsOfMachine> results = once_.run_together(machines);
+    const std::vector<sim::RunsOfMachine> results = run_together(machines);
     for (std::size_t i = 0; i < runs.size(); ++i) all.push_back(text(runs[i], results[i].runs));
     return all;
   }
   for (const std::uint64_t run : runs) all.push_back(text(run, run_identified(run)));
   return all;
+}
+
+/// A machine that is refused in the middle of its run stops the others too: then each runs alone.
+std::vector<sim::RunsOfMachine> StudyRuns::run_together(
+    const std::vector<sim::MachineTrial>& machines) const {
+  try {
+    return once_.run_together(machines);
+  } catch (const sim::Refused&) {
+    std::vector<sim::RunsOfMachine> all(machines.size());
+    for (std::size_t i = 0; i < machines.size(); ++i) {
+      try {
+        all[i].runs = once_.run(machines[i].machine, machines[i].trial);
+      } catch (const sim::Refused&) {
+        all[i].refused = std::current_exception();
+      }
+    }
+    return all;
+  }
 }
 
 sim::Machine StudyRuns::machine_of(std::uint64_t run) const {

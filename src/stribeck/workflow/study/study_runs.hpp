@@ -26,6 +26,8 @@ class StudyRuns {
   [[nodiscard]] const sim::Design& design() const { return design_; }
   /// Number of rows of a run.
   [[nodiscard]] std::size_t rows() const { return once_.size(); }
+  /// Runs that are worth computing together: packs are for those under the same compensators.
+  [[nodiscard]] std::size_t most_together() const;
   /// On the machine as its file says it.
   [[nodiscard]] std::vector<sim::RobustRun> nominal() const { return once_.run(s_.machine, 0); }
 
@@ -37,6 +39,8 @@ class StudyRuns {
   [[nodiscard]] std::vector<std::string> texts(std::span<const std::uint64_t> runs) const;
 
  private:
+  [[nodiscard]] std::vector<sim::RunsOfMachine> run_together(
+      const std::vector<sim::MachineTrial>& machines) const;
   [[nodiscard]] sim::Machine machine_of(std::uint64_t run) const;
   [[nodiscard]] std::uint32_t trial_of(std::uint64_t run) const;
   [[nodiscard]] std::vector<sim::RobustRun> run_identified(std::uint64_t run) const;
