@@ -95,12 +95,16 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const PathOpti
   return travels;
 }
 
+/// One that is laid into the travel if it fits.
+bool is_circle(const sim::Travel& travel) {
+  const auto* curve = std::get_if<path::Curve>(&travel.path);
+  return curve != nullptr && curve->shape == path::Shape::kCircle;
+}
+
 /// A circle that would leave the travel about position 0 is laid about the middle of the travel of its two axes.
 void keep_circle_in_travel(sim::Travel& travel, const sim::Machine& machine, const sim::CompareSpec& spec) {
+  if (!is_circle(travel) || (spec.axes.empty() && machine.axes.size() < 2)) return;
   const auto* curve = std::get_if<path::Curve>(&travel.path);
-  if (curve == nullptr || curve->shape != path::Shape::kCircle ||
-      (spec.axes.empty() && machine.axes.size() < 2))
-    return;
   const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
   if (axes.size() < 2) return;
   path::Fourier<2> moved;
@@ -328,9 +332,6 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
               "speed or fewer laps)",
               ticks, kMostTicks));
     }
-    // A circle is laid into the travel if it fits.
-    const auto* shape = std::get_if<path::Curve>(&travel.path);
-    const bool circle = shape != nullptr && shape->shape == path::Shape::kCircle;
     std::visit(
         [&](const auto& path) {
           for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -346,7 +347,7 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                     fmt::format(
                         "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm, at {:.6g} mm ({})", name,
                         limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * q[0][i],
-                        circle || (limits.travel_min < 0.0 && limits.travel_max > 0.0)
+                        is_circle(travel) || (limits.travel_min < 0.0 && limits.travel_max > 0.0)
                             ? "choose a smaller size"
                             : "this shape lies about position 0: give it as --path POINTS.csv where the axis can go"));
               }
