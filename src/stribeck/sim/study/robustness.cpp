@@ -51,9 +51,10 @@ void run_machines(const Machine& nominal, const std::vector<AxisKnowledge>& know
         std::vector<RunsOfMachine> of_all = runs.run_together(some);
         for (std::size_t k = 0; k < some.size(); ++k)
           keep(std::move(of_all[k]), [&](RobustRow& row) -> RobustRun& { return row.runs[some[k].trial]; });
+        finished += some.size();
       },
-      [&](std::size_t done, std::size_t) {
-        if (progress) progress(machines_before(done), spec.machines);
+      [&](std::size_t, std::size_t) {
+        if (progress) progress(finished, spec.machines);
       });
 }
 
