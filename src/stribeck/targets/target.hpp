@@ -57,6 +57,8 @@ struct Target {
 /// All targets.
 std::span<const Target> all_targets();
 
+/// Letters of axes in the order of their numbers.
+inline constexpr std::string_view kAxisLetters = "xyzabcuvw";
 /// Which axis of a control each name is, from 0: the place of its letter in X, Y, Z, A, B, C, U, V, W, where all are such letters and
 /// differ; else their order.
 std::vector<std::size_t> axis_numbers(const std::vector<std::string>& names);

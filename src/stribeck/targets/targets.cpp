@@ -79,12 +79,12 @@ std::vector<std::string> inputs_of(const ExportRequest& o) {
 }
 
 std::vector<std::size_t> axis_numbers(const std::vector<std::string>& names) {
-  constexpr std::string_view kLower = "xyzabcuvw", kUpper = "XYZABCUVW";
+  constexpr std::string_view kUpper = "XYZABCUVW";
   std::vector<std::size_t> numbers, order(names.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (const std::string& name : names) {
     const std::size_t at =
-        name.size() == 1 ? std::min(kLower.find(name), kUpper.find(name)) : std::string::npos;
+        name.size() == 1 ? std::min(kAxisLetters.find(name), kUpper.find(name)) : std::string::npos;
     if (at == std::string::npos || std::find(numbers.begin(), numbers.end(), at) != numbers.end())
       return order;
     numbers.push_back(at);

@@ -77,8 +77,8 @@ struct Diagnosis {
   std::vector<std::string> remarks;  ///< what these measurements cannot tell apart
   double rest_rms = 0.0;             ///< of the means over a step of the angle [m]
   double window = 0.0;               ///< angle after a reversal that was left out of the fit [rad]
-  bool both_directions = true;
-  double span = 0.0;  ///< largest less smallest radial error, of means over a step [m]
+  bool both_directions = true;       ///< were measured; one alone leaves several causes open
+  double span = 0.0;                 ///< largest less smallest radial error, of means over a step [m]
 };
 
 /// Motions of one machine: both directions, and several feeds where there are several. Absent where no run is long enough.

@@ -69,8 +69,8 @@ TEST(Causes, SpikeAndNegativeBacklash) {
       Contains(HasSubstr("a spike of friction cannot be distinguished from backlash that closes late")));
 }
 
-// Compensation that moves too far, within a tenth of a second of the reversal: until it has moved the axis stands outside of the fit, which was taken
-// for a spike of that size.
+// Compensation that moves too far, within a tenth of a second of the reversal. Until it has moved, the axis stands outside of the fit,
+// which was taken for a spike of that size.
 TEST(Causes, ABacklashThatIsCompensatedTooMuchIsNoSpike) {
   VirtualMachine m;
   m.backlash[0] = -8e-6;
@@ -89,7 +89,7 @@ TEST(Causes, ABacklashThatIsCompensatedTooMuchIsNoSpike) {
   EXPECT_NEAR(cause_in(*d, CauseKind::kBacklash, 0).size, -8e-6, 0.1e-6);
 }
 
-// A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it became 8 um of backlash.
+// A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it was taken for backlash.
 TEST(Causes, ABroadSpikeIsNoBacklash) {
   VirtualMachine m;
   m.spike[0] = 10e-6;

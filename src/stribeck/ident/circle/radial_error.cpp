@@ -99,6 +99,20 @@ Distances distances(std::span<const CirclePoint> points, const CirclePoint& cent
   return d;
 }
 
+/// Of the rows up to the last whole lap: a part of a lap that is travelled twice would pull the centre to its side.
+LeastSquaresCircle circle_of_whole_laps(std::span<const double> x, std::span<const double> y) {
+  const LeastSquaresCircle all = least_squares_circle(x, y);
+  std::vector<double> turned{0.0};
+  const auto angle = [&](std::size_t i) { return std::atan2(y[i] - all.y, x[i] - all.x); };
+  for (std::size_t i = 1; i < x.size(); ++i)
+    turned.push_back(turned.back() + std::remainder(angle(i) - angle(i - 1), 2.0 * kPi));
+  const double whole = whole_laps(std::abs(turned.back()));
+  if (whole == 0.0) return all;
+  std::size_t rows = 0;
+  while (rows < x.size() && std::abs(turned[rows]) <= whole) ++rows;
+  return least_squares_circle(x.first(rows), y.first(rows));
+}
+
 }  // namespace
 
 LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<const double> y) {
@@ -137,24 +151,6 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
   }
   return {mean.x + centre.x, mean.y + centre.y, at.mean};
 }
-
-namespace {
-
-/// Of the rows up to the last whole lap: a part of a lap that is travelled twice would pull the centre to its side.
-LeastSquaresCircle circle_of_whole_laps(std::span<const double> x, std::span<const double> y) {
-  const LeastSquaresCircle all = least_squares_circle(x, y);
-  std::vector<double> turned{0.0};
-  const auto angle = [&](std::size_t i) { return std::atan2(y[i] - all.y, x[i] - all.x); };
-  for (std::size_t i = 1; i < x.size(); ++i)
-    turned.push_back(turned.back() + std::remainder(angle(i) - angle(i - 1), 2.0 * kPi));
-  const double whole = whole_laps(std::abs(turned.back()));
-  if (whole == 0.0) return all;
-  std::size_t rows = 0;
-  while (rows < x.size() && std::abs(turned[rows]) <= whole) ++rows;
-  return least_squares_circle(x.first(rows), y.first(rows));
-}
-
-}  // namespace
 
 CircleTest circle_test(const CircleSamples& s, double radius, double glitch_travel) {
   const std::size_t n = s.x.size();

@@ -54,10 +54,9 @@ std::vector<std::string> names_for(const ExportRequest& o, const std::string& pr
 
 /// As the axis files say, small or capital; x, y, … where one does not say a letter of LinuxCNC, or two say the same.
 std::vector<std::string> letters_for(const ExportRequest& o) {
-  constexpr std::string_view kAxes = "xyzabcuvw";
-  if (o.files.size() > kAxes.size()) refuse_option("AXIS.toml", "got more than nine axes");
+  if (o.files.size() > kAxisLetters.size()) refuse_option("AXIS.toml", "got more than nine axes");
   std::vector<std::string> axes;
-  for (const std::size_t number : axis_numbers(axes_in_files(o))) axes.emplace_back(1, kAxes[number]);
+  for (const std::size_t number : axis_numbers(axes_in_files(o))) axes.emplace_back(1, kAxisLetters[number]);
   return axes;
 }
 

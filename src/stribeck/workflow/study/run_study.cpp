@@ -6,12 +6,10 @@
 #include <cmath>
 #include <memory>
 #include <stribeck/core/numbers.hpp>
-#include <stribeck/ident/refused.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/in_order.hpp>
-#include <stribeck/sim/study/machine_runs.hpp>
 #include <stribeck/workflow/study/results_file.hpp>
 #include <stribeck/workflow/study/study.hpp>
 #include <stribeck/workflow/study/study_runs.hpp>
