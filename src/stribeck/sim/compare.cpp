@@ -6,6 +6,7 @@
 #include <stribeck/sim/cutting_estimate.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/sim/study/loop_margins.hpp>
+#include <stribeck/sim/trials_together.hpp>
 
 namespace stribeck::sim {
 namespace {
@@ -34,36 +35,6 @@ std::string name_of(const ControllerSpec& c, double speed) {
   std::string text = "controller (" + c.id + ")";
   if (std::isfinite(speed)) text += fmt::format(" at {:.6g} mm/s", speed * 1e3);
   return text;
-}
-
-/// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis. A model without a Stribeck part
-/// that is fitted to friction with one gives this result (Table 4.3).
-friction::Model straightened(const friction::Model& model, double fastest) {
-  constexpr int kPoints = 400;
-  friction::Gaussian<double> line;
-  line.velocity_range = {-fastest, fastest};
-  for (const double side : {1.0, -1.0}) {
-    double v1 = 0.0;
-    double v2 = 0.0;
-    double f1 = 0.0;
-    double vf = 0.0;
-    for (int i = 1; i <= kPoints; ++i) {
-      const double v = side * fastest * (i - 0.5) / kPoints;
-      const auto p = model.parts(v, 0.0);
-      const double f = p.level * side + p.viscous;
-      v1 += v;
-      v2 += v * v;
-      f1 += f;
-      vf += v * f;
-    }
-    auto& branch = side > 0.0 ? line.positive : line.negative;
-    branch.eta1 = (kPoints * vf - v1 * f1) / (kPoints * v2 - v1 * v1);
-    branch.eta0 = (f1 - branch.eta1 * v1) / kPoints;
-  }
-  friction::Model straight;
-  straight.steady = line;
-  straight.spring = model.spring;
-  return straight;
 }
 
 /// Refuses gains that cannot work before anything runs: unstable when sampled, or without the requested switching gain.
@@ -146,12 +117,12 @@ void repeat_trials(std::vector<T>& trials, std::uint32_t computed) {
   if (computed > 0) std::fill(trials.begin() + computed, trials.end(), trials.front());
 }
 
+/// A cell and a row for every travel and controller; a row that cannot run says why. Also sets the largest speed of the routes.
 template <std::size_t N>
-void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
-                  const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
-                  const std::function<void(std::size_t, std::size_t)>& progress) {
+std::vector<Cell<N>> make_cells(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                                const CompareSpec& spec, const std::vector<std::size_t>& axes,
+                                std::vector<CompareRow>& rows, double& fastest) {
   std::vector<Cell<N>> cells;
-  double fastest = 0.0;
   for (std::size_t t = 0; t < spec.travels.size(); ++t) {
     const Travel& travel = spec.travels[t];
     const auto route = std::make_shared<const Route<N>>(sample<N>(travel, machine.sample_time));
@@ -175,23 +146,33 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       } catch (const Refused& e) {
         row.refused = e.what();
       }
-      result.rows.push_back(std::move(row));
+      rows.push_back(std::move(row));
     }
   }
-  const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
+  return cells;
+}
+
+template <std::size_t N>
+void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                  const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
+                  const std::function<void(std::size_t, std::size_t)>& progress) {
+  double fastest = 0.0;
+  std::vector<Cell<N>> cells = make_cells<N>(machine, knowledge, spec, axes, result.rows, fastest);
+  const auto make_drives = [&] { return EqualDrives([&] { return Drives(machine, axes, 1.05 * fastest); }); };
   const std::uint32_t computed = trials_that_differ(machine, axes, spec.trials);
-  const std::size_t total = cells.size() * (computed + 1);
+  const TrialShares shares(computed, cells.size(), spec.threads);
+  const std::size_t total = cells.size() * (shares.count() + 1);
   std::size_t before = 0;
   const auto report = [&](std::size_t done, std::size_t) {
     if (progress) progress(before + done, total);
   };
   parallel_for(
       cells.size(), spec.threads, make_drives,
-      [&](Drives& drives, std::size_t i) {
+      [&](EqualDrives& drives, std::size_t i) {
         CompareRow& row = result.rows[i];
         if (!row.refused.empty()) return;
         try {
-          row.substeps = substeps_for<N>(drives, cells[i].setup, row.controller, *cells[i].route,
+          row.substeps = substeps_for<N>(drives[0], cells[i].setup, row.controller, *cells[i].route,
                                          spec.accuracy, &row.repeatable);
         } catch (const Refused& e) {
           row.refused = e.what();
@@ -200,16 +181,26 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       report);
   before = cells.size();
   parallel_for(
-      cells.size() * computed, spec.threads, make_drives,
-      [&](Drives& drives, std::size_t job) {
-        Cell<N>& cell = cells[job / computed];
-        CompareRow& row = result.rows[job / computed];
+      cells.size() * shares.count(), spec.threads, make_drives,
+      [&](EqualDrives& drives, std::size_t job) {
+        Cell<N>& cell = cells[job / shares.count()];
+        CompareRow& row = result.rows[job / shares.count()];
         if (!row.refused.empty()) return;
-        const auto trial = static_cast<std::uint32_t>(job % computed);
-        row.trials[trial] = drives.run<N>(cell.controller, *cell.route, {row.substeps, true, true}, spec.seed,
-                                          trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial],
-                                          trial == 0 ? &row.drift : nullptr);
-        if (const auto& cutting = spec.travels[row.travel].cutting; trial == 0 && cutting)
+        const auto [first, last] = shares[job % shares.count()];
+        std::vector<RunTogether<N>> runs;
+        for (std::uint32_t trial = first; trial < last; ++trial)
+          runs.push_back({&drives[trial - first],
+                          cell.controller,
+                          {row.substeps, true, true},
+                          trial,
+                          trial == 0 ? &row.trace : nullptr,
+                          trial == 0 ? &row.drift : nullptr});
+        const std::vector<RunResult> results = Drives::run_together<N>(runs, *cell.route, spec.seed);
+        for (std::uint32_t trial = first; trial < last; ++trial) {
+          row.trials[trial] = results[trial - first].metrics;
+          cell.status[trial] = results[trial - first].status;
+        }
+        if (const auto& cutting = spec.travels[row.travel].cutting; first == 0 && cutting)
           estimate_cutting<N>(row.trace, *cutting, cell.setup);
       },
       report);
@@ -293,6 +284,34 @@ std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& 
     }
   }
   return axes;
+}
+
+friction::Model straightened(const friction::Model& model, double fastest) {
+  constexpr int kPoints = 400;
+  friction::Gaussian<double> line;
+  line.velocity_range = {-fastest, fastest};
+  for (const double side : {1.0, -1.0}) {
+    double v1 = 0.0;
+    double v2 = 0.0;
+    double f1 = 0.0;
+    double vf = 0.0;
+    for (int i = 1; i <= kPoints; ++i) {
+      const double v = side * fastest * (i - 0.5) / kPoints;
+      const auto p = model.parts(v, 0.0);
+      const double f = p.level * side + p.viscous;
+      v1 += v;
+      v2 += v * v;
+      f1 += f;
+      vf += v * f;
+    }
+    auto& branch = side > 0.0 ? line.positive : line.negative;
+    branch.eta1 = (kPoints * vf - v1 * f1) / (kPoints * v2 - v1 * v1);
+    branch.eta0 = (f1 - branch.eta1 * v1) / kPoints;
+  }
+  friction::Model straight;
+  straight.steady = line;
+  straight.spring = model.spring;
+  return straight;
 }
 
 control::Feedforward feedforward_with(const ControllerSpec& which, const friction::AxisModel& model) {

@@ -173,6 +173,10 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
 CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                        const CompareSpec& spec, std::uint32_t trial);
 
+/// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis up to `fastest` [m/s]. A model
+/// without a Stribeck part that is fitted to friction with one gives this result (Table 4.3).
+friction::Model straightened(const friction::Model& model, double fastest);
+
 /// The feed-forward that a controller gets with this model. A dynamic law without bristles is a step at the reversal; the controller that
 /// adapts, which is the default, then lets friction build up over a distance (decision 0008). Others do what they are told.
 control::Feedforward feedforward_with(const ControllerSpec& which, const friction::AxisModel& model);

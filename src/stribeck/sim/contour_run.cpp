@@ -184,10 +184,12 @@ bool fits(const Route<N>& route) {
 template <std::size_t N>
 class RunInProgress {
  public:
-  /// The drives were started; they, their gains [N/V] and the route outlive the run.
+  /// The drives were started; they, their gains [N/V], the route and `seen` outlive the run. Null: no samples are kept.
   RunInProgress(const std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
-                const AnyController<N>& controller, const Route<N>& route)
-      : axes_(axes), gain_(gain), period_(period), route_(route), law_(controller->copy()) {}
+                const AnyController<N>& controller, const Route<N>& route, std::vector<ContourSample>* seen)
+      : axes_(axes), gain_(gain), period_(period), route_(route), law_(controller->copy()), seen_(seen) {
+    if (seen_ != nullptr) seen_->reserve(route_.points.size());
+  }
 
   /// Until the drives move.
   void begin(std::size_t k) {
@@ -201,9 +203,11 @@ class RunInProgress {
     if (!route_.cutting.empty()) tick_.cutting = route_.cutting[k];
     tick_.in_glitch = glitch_.step(r);
     tick_.scored = tick_.time >= route_.scored_from && tick_.time <= route_.scored_to;
+    if (seen_ != nullptr) seen_->push_back(sample_of(tick_, r, axes_));
   }
   /// After they have moved.
   void end() {
+    if (seen_ != nullptr) note_loops<N>(seen_->back(), axes_, gain_);
     if (tick_.scored) metrics_.add(scored(tick_, axes_, gain_, period_));
   }
 
@@ -217,6 +221,7 @@ class RunInProgress {
   double period_;
   const Route<N>& route_;
   std::unique_ptr<LawRunner<N>> law_;
+  std::vector<ContourSample>* seen_;
   GlitchWindow<N> glitch_;
   MetricsCollector<N> metrics_;
   Tick<N> tick_;
@@ -245,13 +250,10 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
                     std::vector<control::Drift>* drift) {
   if (!fits(route)) return Metrics::unknown();
   start<N>(route.points[0].position, fidelity, seed, trial);
-  RunInProgress<N> run(axes_, gain_, period_, controller, route);
-  if (seen != nullptr) seen->reserve(route.points.size());
+  RunInProgress<N> run(axes_, gain_, period_, controller, route, seen);
   for (std::size_t k = 0; k < route.points.size(); ++k) {
     run.begin(k);
-    if (seen != nullptr) seen->push_back(sample_of(run.tick(), route.points[k], axes_));
     move_drives(axes_, run.tick());
-    if (seen != nullptr) note_loops<N>(seen->back(), axes_, gain_);
     run.end();
   }
   if (status != nullptr) *status = run.law().status();
@@ -270,7 +272,7 @@ std::vector<RunResult> Drives::run_together(std::span<const RunTogether<N>> runs
   for (const RunTogether<N>& r : runs) {
     Drives& d = *r.drives;
     d.start<N>(route.points[0].position, r.fidelity, seed, r.trial);
-    running.emplace_back(d.axes_, d.gain_, d.period_, r.controller, route);
+    running.emplace_back(d.axes_, d.gain_, d.period_, r.controller, route, r.seen);
   }
   // The same axis of all machines side by side: such drives need about the same number of sub-steps.
   for (std::size_t i = 0; i < N; ++i) {
@@ -288,8 +290,10 @@ std::vector<RunResult> Drives::run_together(std::span<const RunTogether<N>> runs
     group.step(inputs);
     for (RunInProgress<N>& r : running) r.end();
   }
-  for (std::size_t m = 0; m < running.size(); ++m)
+  for (std::size_t m = 0; m < running.size(); ++m) {
     results[m] = {running[m].result(), running[m].law().status()};
+    if (runs[m].drift != nullptr) *runs[m].drift = running[m].law().drift(runs[m].drives->period_);
+  }
   return results;
 }
 

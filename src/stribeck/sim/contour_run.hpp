@@ -55,6 +55,8 @@ struct RunTogether {
   AnyController<N> controller;
   plant::Fidelity fidelity;
   std::uint32_t trial = 0;
+  std::vector<ContourSample>* seen = nullptr;    ///< filled; null: not kept
+  std::vector<control::Drift>* drift = nullptr;  ///< the same
 };
 struct RunResult {
   Metrics metrics;

@@ -58,7 +58,7 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
     routes.push_back(std::make_shared<const Route<N>>(sample<N>(travel, machine.sample_time)));
     for (const auto& p : routes.back()->points) fastest = std::max(fastest, norm(p.velocity));
   }
-  const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
+  const auto make_drives = [&] { return EqualDrives([&] { return Drives(machine, axes, 1.05 * fastest); }); };
   const auto& controllers = spec.compare.controllers;
   Trials search{kSearchTrial, trials_that_differ(machine, axes, spec.search_trials), {}};
   Trials check{kCheckTrial, trials_that_differ(machine, axes, kCheckTrials), {}};
@@ -68,7 +68,7 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
   } else {
     const ControllerSpec& reference = spec.reference ? *spec.reference : controllers.back();
     result.reference = reference.id;
-    Drives drives = make_drives();
+    EqualDrives drives = make_drives();
     Task<N> task(machine, knowledge, spec, axes, routes, drives);
     task.choose_substeps(reference);
     for (Trials* trials : {&search, &check}) {
@@ -87,35 +87,36 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
   std::size_t done = 0;
   const std::size_t all = controllers.size() * static_cast<std::size_t>(spec.evaluations);
   result.controllers.resize(controllers.size());
-  parallel_for(controllers.size(), spec.compare.threads, make_drives, [&](Drives& drives, std::size_t i) {
-    TunedController& out = result.controllers[i];
-    out.start = out.tuned = controllers[i];
-    std::size_t mine = 0;
-    const std::function<void()> counted = [&] {
-      const std::lock_guard lock(mutex);
-      ++mine;
-      ++done;
-      if (progress) progress(done, all);
-    };
-    Task<N> task(machine, knowledge, spec, axes, routes, drives);
-    try {
-      out.start_margins = task.margins(controllers[i]);
-      out.start_loop = task.response(controllers[i]);
-      Search<N>(task, controllers[i], search, check, spec.evaluations, counted).run(out);
-      if (out.found()) out.tuned_loop = task.response(out.tuned);
-      if (spec.stick_slip) {
-        out.start_smooth = task.smooth_speeds(out.start);
-        if (out.found()) out.tuned_smooth = task.smooth_speeds(out.tuned);
-      }
-    } catch (const Refused& e) {
-      out.refused = e.what();
-      out.tuned = controllers[i];
-      out.gains.clear();
-    }
-    const std::lock_guard lock(mutex);
-    done += static_cast<std::size_t>(spec.evaluations) - mine;
-    if (progress) progress(done, all);
-  });
+  parallel_for(controllers.size(), spec.compare.threads, make_drives,
+               [&](EqualDrives& drives, std::size_t i) {
+                 TunedController& out = result.controllers[i];
+                 out.start = out.tuned = controllers[i];
+                 std::size_t mine = 0;
+                 const std::function<void()> counted = [&] {
+                   const std::lock_guard lock(mutex);
+                   ++mine;
+                   ++done;
+                   if (progress) progress(done, all);
+                 };
+                 Task<N> task(machine, knowledge, spec, axes, routes, drives);
+                 try {
+                   out.start_margins = task.margins(controllers[i]);
+                   out.start_loop = task.response(controllers[i]);
+                   Search<N>(task, controllers[i], search, check, spec.evaluations, counted).run(out);
+                   if (out.found()) out.tuned_loop = task.response(out.tuned);
+                   if (spec.stick_slip) {
+                     out.start_smooth = task.smooth_speeds(out.start);
+                     if (out.found()) out.tuned_smooth = task.smooth_speeds(out.tuned);
+                   }
+                 } catch (const Refused& e) {
+                   out.refused = e.what();
+                   out.tuned = controllers[i];
+                   out.gains.clear();
+                 }
+                 const std::lock_guard lock(mutex);
+                 done += static_cast<std::size_t>(spec.evaluations) - mine;
+                 if (progress) progress(done, all);
+               });
 }
 
 std::vector<TravelScore> scores(const CompareResult& run, std::size_t which, std::size_t controllers) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/sim/study/tuning.hpp>
+#include <stribeck/sim/trials_together.hpp>
 #include <vector>
 
 namespace stribeck::sim::tuning {
@@ -48,7 +49,7 @@ class Task {
  public:
   Task(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
        const std::vector<std::size_t>& axes, const std::vector<std::shared_ptr<const Route<N>>>& routes,
-       Drives& drives)
+       EqualDrives& drives)
       : machine_(machine), knowledge_(knowledge), spec_(spec), axes_(axes), routes_(routes), drives_(drives) {
     for (std::size_t i = 0; i < N && i < spec.limits.axial_mode.size(); ++i)
       modes_[i] = spec.limits.axial_mode[i];
@@ -81,7 +82,7 @@ class Task {
             fastest, [&](double v) { return !oscillates(loops[i], model->mass, model->friction, v); });
       }
       one.simulated = slowest_smooth(
-          fastest, [&](double v) { return !sticks<N>(drives_, controller, *routes_.front(), i, v); });
+          fastest, [&](double v) { return !sticks<N>(drives_[0], controller, *routes_.front(), i, v); });
       out.push_back(one);
     }
     return out;
@@ -91,7 +92,7 @@ class Task {
     substeps_.clear();
     for (const auto& route : routes_) {
       substeps_.push_back(
-          substeps_for<N>(drives_, setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
+          substeps_for<N>(drives_[0], setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
     }
   }
 
@@ -102,9 +103,11 @@ class Task {
     for (std::size_t t = 0; t < routes_.size(); ++t) {
       const auto controller = make_controller<N>(c.law, setup(c, *routes_[t]));
       const auto route = guided(c, routes_[t]);
-      for (std::uint32_t trial = 0; trial < trials.count; ++trial) {
-        const Metrics m = drives_.run<N>(controller, *route, {substeps_[t], true, true}, spec_.compare.seed,
-                                         trials.first + trial);
+      std::vector<RunTogether<N>> runs;
+      for (std::uint32_t trial = 0; trial < trials.count; ++trial)
+        runs.push_back({&drives_[trial], controller, {substeps_[t], true, true}, trials.first + trial});
+      for (const RunResult& run : Drives::run_together<N>(runs, *route, spec_.compare.seed)) {
+        const Metrics& m = run.metrics;
         sum += m.max_contour_error + m.rms;
         p.variation[t] += m.input_variation / trials.count;
         if (!(m.max_contour_error <= kLost * route->size)) sum = std::numeric_limits<double>::infinity();
@@ -185,7 +188,7 @@ class Task {
   const TuneSpec& spec_;
   const std::vector<std::size_t>& axes_;
   const std::vector<std::shared_ptr<const Route<N>>>& routes_;
-  Drives& drives_;
+  EqualDrives& drives_;
   DeclaredModes<N> modes_;
   std::vector<int> substeps_;
 };
