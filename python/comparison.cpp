@@ -148,7 +148,7 @@ void add_comparison(py::module_& module) {
   module.def(
       "compare", &compare, py::arg("machine"),
       "compare(machine, *, experiment=None, speed=None, trials=10, seed=1, threads=0, only=None, controller=None, drive=None, "
-      "path=None, size=None, laps=None, parameters='identified', axis_file=None, omega_t=None, omega_n=None, observer_pole=None, "
+      "path=None, axes=None, size=None, laps=None, parameters='identified', axis_file=None, omega_t=None, omega_n=None, observer_pole=None, "
       "observer=None, error_rate=None, accuracy=None, acceleration=None, jerk=None, corner_tolerance=None, join=None)\n--\n\n"
       "Runs several controllers on a virtual machine.\n\n"
       "machine: machine file. speed [m/s] or text with a unit, one or a list. only: ids of controllers, [\"f\", \"h\"]. controller: "

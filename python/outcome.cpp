@@ -47,6 +47,8 @@ workflow::PathOptions path_options(Keywords& keywords) {
   if (o.path.find_first_of("./") == std::string::npos && !enum_value<path::Shape>(o.path)) {
     Keywords::refuse_choice("path", o.path, {kEnumWords<path::Shape>.begin(), kEnumWords<path::Shape>.end()});
   }
+  o.axes = keywords.texts("axes");
+  o.given = o.given || !o.axes.empty();
   use(keywords.quantity("size", "m"), o.size);
   if (const auto laps = keywords.number("laps", kLeastLaps, kMostLaps)) o.laps = *laps, o.given = true;
   use(keywords.quantity("omega_t", "rad/s"), o.omega_t);

@@ -59,7 +59,8 @@ Outcome along_reference(const std::string& machine, const std::string& axis, con
   if (tables.size() != 1) refuse("reference", fmt::format("got {}, expected one", tables.size()));
   return unlocked([&] {
     workflow::AxisRun run =
-        workflow::run_axis(workflow::read_virtual_machine(machine), machine, axis, tables.front(), seed);
+        workflow::run_axis(workflow::read_virtual_machine(machine, {}, workflow::AxisWithoutTruth::kLeftOut),
+                           machine, axis, tables.front(), seed);
     run.log.source = "simulation of axis " + axis;
     return Outcome{
         workflow::to_json(run),
@@ -90,8 +91,10 @@ Outcome simulate(const py::object& machine, const py::object& reference, const p
   o.parameters = parameter_options(keywords);
   keywords.done();
   return unlocked([&] {
-    workflow::PathRun run =
-        workflow::run_path(o, workflow::read_virtual_machine(file, o.parameters.axis_files), file);
+    workflow::PathRun run = workflow::run_path(
+        o,
+        workflow::read_virtual_machine(file, o.parameters.axis_files, workflow::AxisWithoutTruth::kLeftOut),
+        file);
     run.log.source = "simulation";
     return Outcome{workflow::to_json(run), report::text_table(run.result), std::move(run.log), true};
   });
@@ -110,7 +113,7 @@ void add_runs(py::module_& module) {
       "Raises InputError for arguments and machine file, Refused where no excitation is safe.");
   module.def(
       "simulate", &simulate, py::arg("machine"), py::arg("reference") = py::none(),
-      "simulate(machine, reference=None, *, axis=None, controller=None, experiment=None, speed=None, path=None, size=None, "
+      "simulate(machine, reference=None, *, axis=None, controller=None, experiment=None, speed=None, path=None, axes=None, size=None, "
       "laps=None, parameters='identified', axis_file=None, seed=1, trial=0, omega_t=None, omega_n=None, observer_pole=None, "
       "observer=None, error_rate=None, accuracy=None, acceleration=None, jerk=None, corner_tolerance=None, join=None)\n--\n\n"
       "One run of a virtual machine.\n\n"

@@ -53,7 +53,7 @@ void add_tuning(py::module_& module) {
   module.def(
       "tune", &tune, py::arg("machine"),
       "tune(machine, *, controller=None, experiment=None, speed=None, output=None, trials=10, seed=1, threads=0, "
-      "phase_margin=45, gain_margin=6, delay_margin=1, input_variation=None, axial_mode=None, evaluations=300, path=None, size=None, "
+      "phase_margin=45, gain_margin=6, delay_margin=1, input_variation=None, axial_mode=None, evaluations=300, path=None, axes=None, size=None, "
       "laps=None, parameters='identified', axis_file=None, omega_t=None, omega_n=None, observer_pole=None, observer=None, "
       "error_rate=None, accuracy=None, acceleration=None, jerk=None, corner_tolerance=None, join=None)\n--\n\n"
       "Finds the best gains of each controller within limits of stability margin and input variation.\n\n"

@@ -164,7 +164,8 @@ void add_compare(CLI::App& app, Action& action) {
                    fmt::format("An additional controller, repeatable: {}, or a controller file",
                                report::listed(built_in_controllers())))
       ->type_name("NAME|FILE.toml");
-  verb->add_option("--only", o->what.only, "Run only these controllers, by their ids, e.g. --only f,g,i")
+  verb->add_option("--only", o->what.only,
+                   "Of the controllers of the experiment run only these, by their ids, e.g. --only f,g,i")
       ->delimiter(',')
       ->type_name("ID");
   add_path_options(*verb, o->what.path);

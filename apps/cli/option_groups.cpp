@@ -83,6 +83,12 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc|POINTS.csv"))
       ->capture_default_str();
   verb.add_option(
+          "--axes", o.axes,
+          "Axes of the shape, in its order, e.g. --axes x,z for a circle in that plane; left out: the first ones, on a "
+          "machine of your own those that do not turn")
+      ->delimiter(',')
+      ->type_name("NAME");
+  verb.add_option(
           "--size", o.size,
           "Radius of the circle, half width of the others; left out: 10 mm, on a machine of your own by its "
           "travel")

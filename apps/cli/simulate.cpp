@@ -128,7 +128,8 @@ int simulate(const SimulateCommand& o) {
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.output);
-  const sim::Machine machine = read_virtual_machine(o.machine, o.path.parameters.axis_files);
+  const sim::Machine machine =
+      read_virtual_machine(o.machine, o.path.parameters.axis_files, AxisWithoutTruth::kLeftOut);
   return o.reference.empty() ? follow_path(o, machine) : play_reference(o, machine);
 }
 

@@ -170,6 +170,8 @@ struct Machine {
   std::string origin;
   double sample_time = 0.0;  ///< control period [s]
   std::vector<std::pair<std::string, MachineAxis>> axes;
+  std::vector<std::string>
+      left_out{};  ///< axes of the file that are not simulated, because nothing tells their truth
 
   static constexpr auto fields() {
     return std::tuple{field("name", &Machine::name, "name of the machine"),

@@ -116,7 +116,8 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
     n.whole = n.whole || c.friction == kWhole;
   }
   // A controller without friction compensation also needs a mass.
-  if (!n.gaussian && !n.eccentric && !n.whole) n.conventional = true;
+  n.mass_alone = !n.conventional && !n.gaussian && !n.eccentric && !n.whole;
+  if (n.mass_alone) n.conventional = true;
   return n;
 }
 

@@ -45,12 +45,13 @@ struct Needs {
   bool gaussian = false;
   bool eccentric = false;
   bool whole = false;
+  bool mass_alone = false;  ///< no model of friction: any model that tells the mass will do
 
   static Needs of(const std::vector<sim::ControllerSpec>& controllers);
   /// The models that either of two needs.
   friend Needs operator|(const Needs& a, const Needs& b) noexcept {
     return {a.conventional || b.conventional, a.gaussian || b.gaussian, a.eccentric || b.eccentric,
-            a.whole || b.whole};
+            a.whole || b.whole, a.mass_alone && b.mass_alone};
   }
 };
 

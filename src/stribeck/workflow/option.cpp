@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <optional>
 
 #include <stribeck/io/error.hpp>
@@ -36,12 +37,23 @@ std::pair<std::string, std::string> axis_and_file(const std::string& text) {
   return halves("--axis-file", text, "AXIS=FILE, e.g. x=x.toml");
 }
 
+io::InputError no_truth(const std::string& file, const std::string& axis) {
+  return io::InputError(
+      {file, 0, fmt::format("axes.{}.plant", axis),
+       fmt::format(
+           "missing, expected the truth of a virtual axis (mass, drive, converter, encoder, friction with bristles), or its "
+           "identified model in its place (--axis-file {0}=FILE, in a study \"{0}=FILE\" among axis_files)",
+           axis)});
+}
+
 std::size_t axis_index(const sim::Machine& machine, const std::string& file, const std::string& axis) {
   std::string names;
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     if (machine.axes[i].first == axis) return i;
     names += (names.empty() ? "" : ", ") + machine.axes[i].first;
   }
+  if (std::find(machine.left_out.begin(), machine.left_out.end(), axis) != machine.left_out.end())
+    throw no_truth(file, axis);
   throw io::InputError(
       {file, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
 }

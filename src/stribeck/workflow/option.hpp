@@ -29,6 +29,9 @@ std::pair<std::string, std::string> halves(const std::string& option, const std:
 /// The same for --axis-file: axis and file.
 std::pair<std::string, std::string> axis_and_file(const std::string& text);
 
+/// What to say of an axis that cannot be simulated, because its file has neither its truth nor a model of it.
+io::InputError no_truth(const std::string& file, const std::string& axis);
+
 /// Index of the axis in the machine that was read from `file`; throws with the names that exist.
 std::size_t axis_index(const sim::Machine& machine, const std::string& file, const std::string& axis);
 

@@ -77,6 +77,7 @@ bool has_all(const Given& given, const sim::MachineAxis& axis, const Needs& need
   const bool gaussian = is_gaussian(model);
   const bool eccentric = !gaussian && !model.friction.eccentric.empty();
   const bool conventional = !gaussian && !eccentric;
+  if (needs.mass_alone) return true;
   const bool bristles = friction::has_pre_sliding(model.friction.dynamics) || !axis.truth_from.empty();
   return (!needs.gaussian || gaussian) && (!needs.eccentric || eccentric) &&
          (!needs.conventional || conventional) && (!needs.whole || bristles);
@@ -103,6 +104,20 @@ void take(const Given& given, const sim::Machine& machine, Parameters& p) {
                      machine.axes[given.axis].first, given.file));
 }
 
+/// The kinds of model that no file gave for an axis that is simulated as the model of its file: that model itself, and in place
+/// of the conventional one the line through each side of its map. An identification from simulated logs would find the same.
+void fill_in(sim::AxisKnowledge& knowledge, const sim::MachineAxis& axis) {
+  const friction::AxisModel* const best = knowledge.best();
+  if (best == nullptr) return;
+  const friction::AxisModel given = *best;
+  for (auto* model : {&knowledge.gaussian, &knowledge.eccentric, &knowledge.whole}) {
+    if (!*model) *model = given;
+  }
+  if (knowledge.conventional) return;
+  knowledge.conventional = given;
+  knowledge.conventional->friction = sim::straightened(given.friction, axis.limits.speed);
+}
+
 /// Takes it out where it is not wanted; says in words what is compensated, and where it cannot be.
 void use_lost_motion(Parameters& p, const sim::Machine& machine, const std::string& use) {
   for (std::size_t i = 0; i < p.knowledge.size(); ++i) {
@@ -125,6 +140,34 @@ void use_lost_motion(Parameters& p, const sim::Machine& machine, const std::stri
   }
 }
 
+/// What the axes that were identified here did for it.
+std::string excitation_words(const sim::Machine& machine, const std::vector<std::size_t>& commissioned,
+                             const Needs& needs, const std::vector<CommissionedAxis>& axes) {
+  if (commissioned.empty()) return {};  // the files say it
+  // Axes that cannot take pulses have logs of their own (commission.hpp).
+  std::vector<std::string> closed;
+  for (const std::size_t i : commissioned) {
+    const auto pulses = [](const CommissionedLog& log) {
+      return log.method == ident::excitation::ExcitationMethod::kPulses;
+    };
+    if (std::none_of(axes[i].logs.begin(), axes[i].logs.end(), pulses))
+      closed.push_back(machine.axes[i].first);
+  }
+  const std::string in_closed_loop = fmt::format(
+      "strokes of constant acceleration, {} periods of a sine about the middle and jogs", kPositionPeriods);
+  std::vector<std::string> what{"pulses"};
+  const bool by_jogs = needs.conventional && machine.axes.size() > 2;
+  if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
+    what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
+  if (by_jogs) what.push_back("jogs");
+  if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
+    what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
+  std::string words = "identified from simulated logs of this machine: ";
+  if (closed.size() == commissioned.size()) return words + in_closed_loop + " on each axis";
+  if (!closed.empty()) words += fmt::format("{} on {}; ", in_closed_loop, report::listed(closed));
+  return words + report::listed(what) + (closed.empty() ? " on each axis" : " on the others");
+}
+
 }  // namespace
 
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
@@ -144,7 +187,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     std::vector<std::size_t> commissioned;
     for (const std::size_t i : axes) {
       const bool given = std::any_of(models.begin(), models.end(), [&](const Given& g) {
-        return g.axis == i && has_all(g, machine.axes[i].second, needs);
+        const sim::MachineAxis& axis = machine.axes[i].second;
+        return g.axis == i && (!axis.truth_from.empty() || has_all(g, axis, needs));
       });
       if (!given) commissioned.push_back(i);
     }
@@ -155,39 +199,19 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
           p.axes[i] = commission_axis(machine, i, needs, spec.seed);
         });
     for (const std::size_t i : commissioned) p.knowledge[i] = p.axes[i].knowledge;
-    // Axes that cannot take pulses have logs of their own (commission.hpp).
-    std::vector<std::string> closed;
-    for (const std::size_t i : commissioned) {
-      const auto pulses = [](const CommissionedLog& log) {
-        return log.method == ident::excitation::ExcitationMethod::kPulses;
-      };
-      if (std::none_of(p.axes[i].logs.begin(), p.axes[i].logs.end(), pulses))
-        closed.push_back(machine.axes[i].first);
-    }
-    const std::string in_closed_loop = fmt::format(
-        "strokes of constant acceleration, {} periods of a sine about the middle and jogs", kPositionPeriods);
-    std::vector<std::string> what{"pulses"};
-    const bool by_jogs = needs.conventional && machine.axes.size() > 2;
-    if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
-      what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
-    if (by_jogs) what.push_back("jogs");
-    if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
-      what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
-    if (!commissioned.empty()) p.words = "identified from simulated logs of this machine: ";
-    if (commissioned.empty()) {
-      // The files say it.
-    } else if (closed.size() == commissioned.size()) {
-      p.words += in_closed_loop + " on each axis";
-    } else {
-      if (!closed.empty()) p.words += fmt::format("{} on {}; ", in_closed_loop, report::listed(closed));
-      p.words += report::listed(what) + (closed.empty() ? " on each axis" : " on the others");
-    }
+    p.words = excitation_words(machine, commissioned, needs, p.axes);
   }
   for (const Given& given : models) {
     take(given, machine, p);
     p.from_file[given.axis] = 1;
   }
+  for (const std::size_t i : axes)
+    if (!machine.axes[i].second.truth_from.empty()) fill_in(p.knowledge[i], machine.axes[i].second);
   use_lost_motion(p, machine, options.lost_motion);
+  for (const std::string& name : machine.left_out)
+    p.assumed.push_back(fmt::format(
+        "axis {0} does not move here: {1} has no plant for it, and no axis file was given (--axis-file {0}=FILE)",
+        name, path));
   for (const std::size_t i : axes) {
     const auto& [name, axis] = machine.axes[i];
     if (axis.rotary)

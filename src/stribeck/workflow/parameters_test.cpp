@@ -1,7 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <string>
 
 namespace stribeck::workflow::parameters_test {
 namespace {
@@ -27,6 +31,50 @@ TEST(Parameters, AnAxisWithoutItsKalmanObserverIsSaidOnce) {
   EXPECT_THAT(said[0], testing::HasSubstr("so (h) has a disturbance observer there"));
   result.rows.clear();
   EXPECT_THAT(check_coverage(result, {0}, parameters), testing::IsEmpty());
+}
+
+// The axis is simulated as this model: an identification from simulated logs would find it again, after half a minute.
+TEST(Parameters, TheModelThatIsSimulatedIsNotIdentifiedAgain) {
+  const test::Folder folder;
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/gantry.toml";
+  const std::string model = folder.write("x.toml", R"(axis = "x"
+mass = "42 kg"
+load = "0 N"
+delay = "0 ms"
+[friction]
+eccentric = []
+places = []
+[friction.steady]
+kind = "gaussian"
+velocity_range = ["-100 mm/s", "100 mm/s"]
+[friction.steady.positive]
+eta0 = "40 N"
+eta1 = "0.1 N s/mm"
+gaussians = [{a = "5 N", b = "3 mm/s", c = "2 mm/s"}]
+[friction.steady.negative]
+eta0 = "-50 N"
+eta1 = "0.1 N s/mm"
+gaussians = []
+[friction.dynamics]
+kind = "static"
+)");
+  ParameterOptions options;
+  options.axis_files = {"x=" + model};
+  const sim::Machine machine =
+      read_virtual_machine(machine_file, options.axis_files, AxisWithoutTruth::kLeftOut);
+  const sim::CompareSpec spec = experiment_spec(kOwn, {}, {}, machine, machine_file);
+  const Parameters p = get_parameters(machine, machine_file, options, spec);
+  EXPECT_TRUE(p.axes.at(0).logs.empty());
+  for (const auto* known : {&p.knowledge[0].conventional, &p.knowledge[0].gaussian, &p.knowledge[0].whole}) {
+    ASSERT_TRUE(known->has_value());
+    EXPECT_DOUBLE_EQ((*known)->mass, 42.0);
+    const auto slow = (*known)->friction.parts(50e-3, 0.0);
+    EXPECT_NEAR(slow.level + slow.viscous, 45.0, 0.2);  // 40 N + 0.1 N s/mm · 50 mm/s
+  }
+  // The straight line through each side has no hill at 3 mm/s.
+  EXPECT_NEAR(p.knowledge[0].gaussian->friction.parts(3e-3, 0.0).level, 45.0, 0.1);
+  EXPECT_NEAR(p.knowledge[0].conventional->friction.parts(3e-3, 0.0).level, 40.0, 0.3);
+  EXPECT_THAT(p.assumed, testing::Contains(testing::HasSubstr("axis y does not move here")));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
+#include <utility>
 
 namespace stribeck::workflow {
 namespace {
@@ -105,7 +106,8 @@ MachineDescription parse_description(std::string_view text, const std::string& f
   return described(io::parse_toml(text, file), file);
 }
 
-sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files) {
+sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files,
+                                  AxisWithoutTruth without_truth) {
   MachineDescription machine = read_description(file);
   std::vector<std::string> from(machine.axes.size());
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
@@ -119,17 +121,23 @@ sim::Machine read_virtual_machine(const std::string& file, const std::vector<std
       from[i] = axis_file;
       break;
     }
-    if (axis.plant) continue;
-    throw io::InputError(
-        {file, 0, fmt::format("axes.{}.plant", name),
-         fmt::format(
-             "missing, expected the truth of a virtual axis (mass, drive, converter, encoder, friction with bristles), or its "
-             "identified model in its place (--axis-file {0}=FILE, in a study \"{0}=FILE\" among axis_files)",
-             name)});
   }
+  const auto has_truth = [](const auto& axis) { return axis.second.plant.has_value(); };
+  const auto first_without = std::find_if_not(machine.axes.begin(), machine.axes.end(), has_truth);
+  if (first_without != machine.axes.end() &&
+      (without_truth == AxisWithoutTruth::kRefused ||
+       std::none_of(machine.axes.begin(), machine.axes.end(), has_truth)))
+    throw no_truth(file, first_without->first);
   sim::Machine virtual_machine = as_machine(machine);
-  for (std::size_t i = 0; i < from.size(); ++i)
-    virtual_machine.axes[i].second.truth_from = std::move(from[i]);
+  std::vector<std::pair<std::string, sim::MachineAxis>> all = std::exchange(virtual_machine.axes, {});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!machine.axes[i].second.plant) {
+      virtual_machine.left_out.push_back(std::move(all[i].first));
+      continue;
+    }
+    all[i].second.truth_from = std::move(from[i]);
+    virtual_machine.axes.push_back(std::move(all[i]));
+  }
   return virtual_machine;
 }
 

@@ -25,9 +25,16 @@ MachineDescription parse_description(std::string_view text, const std::string& f
 /// Whether a file is a machine file and not an axis file or a log: it has a table `axes`. False where it cannot be read.
 bool describes_machine(const std::string& file);
 
+/// What to do with an axis that has neither a truth nor an identified model.
+enum class AxisWithoutTruth {
+  kRefused,
+  kLeftOut,  ///< it does not move (sim::Machine::left_out); refused where no axis is left
+};
+
 /// A virtual machine. An axis without a truth is simulated as its identified model where `axis_files` (AXIS=FILE) has one
-/// (model_as_truth.cpp); an axis with neither is refused.
-sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files = {});
+/// (model_as_truth.cpp).
+sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files = {},
+                                  AxisWithoutTruth without_truth = AxisWithoutTruth::kRefused);
 
 /// Makes the model that was identified of an axis its truth, with force, encoder and loop of the machine file. Noise, drift, an axial
 /// mode and everything else that the model does not hold are left out; a model without pre-sliding gets kBreakAway.

@@ -38,29 +38,58 @@ double rounded_down(double x) {
 
 /// cos on the first axis, sin on the others: on three axes an ellipse in space, as the thesis's circle.
 template <std::size_t N>
-path::Fourier<N> circle_through(const sim::Machine& machine, double radius) {
+path::Fourier<N> circle_through(const sim::Machine& machine, const std::vector<std::size_t>& axes,
+                                double radius) {
   path::Fourier<N> p;
   for (std::size_t i = 0; i < N; ++i) {
-    const sim::AxisLimits& l = machine.axes[i].second.limits;
+    const sim::AxisLimits& l = machine.axes[axes[i]].second.limits;
     p.axis[i].offset = 0.5 * (l.travel_min + l.travel_max);
     p.axis[i].terms = {path::Harmonic{radius, 1.0, i == 0 ? 0.0 : -0.5 * kPi}};
   }
   return p;
 }
 
+/// The axes that --axes names; empty: it was not given.
+std::vector<std::size_t> named_axes(const sim::Machine& machine, const std::string& machine_file,
+                                    const PathOptions& o) {
+  std::vector<std::size_t> axes;
+  for (const std::string& name : o.axes) {
+    const std::size_t i = axis_index(machine, machine_file, name);
+    if (std::find(axes.begin(), axes.end(), i) != axes.end())
+      refuse_option("--axes", fmt::format("axis {} stands there twice", io::in_quotes(name)));
+    axes.push_back(i);
+  }
+  return axes;
+}
+
+/// Axes of the motion of a machine of one's own: those that were named, else the first three that do not turn, else the first that
+/// turn. A circle through an axis that turns and one that does not is one of millimetres and milliradians.
+std::vector<std::size_t> own_axes(const sim::Machine& machine, const std::string& machine_file,
+                                  const PathOptions& o) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::size_t> axes = named_axes(machine, machine_file, o);
+  if (axes.size() > kMost)
+    refuse_option("--axes", fmt::format("got {} axes, expected at most {}", axes.size(), kMost));
+  for (const bool rotary : {false, true}) {
+    if (!axes.empty()) break;
+    for (std::size_t i = 0; i < machine.axes.size() && axes.size() < kMost; ++i)
+      if (machine.axes[i].second.rotary == rotary) axes.push_back(i);
+  }
+  return axes;
+}
+
 /// Radius and speeds that every axis can do, with something in hand.
-std::vector<sim::Travel> own_travels(const sim::Machine& machine, const PathOptions& o,
-                                     const std::vector<std::string>& speeds) {
+std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vector<std::size_t>& axes,
+                                     const PathOptions& o, const std::vector<std::string>& speeds) {
   constexpr double kMostRadius = 20e-3;  // [m]
   constexpr double kShareOfTravel = 0.2;
   constexpr double kShareOfSpeed = 0.5;
   constexpr double kShareOfAcceleration = 0.3;
   constexpr double kSlow = 0.1;  // of the fast one
-  const std::size_t axes = std::min<std::size_t>(machine.axes.size(), 3);
   double radius = kMostRadius;
   double speed = kInfinity;
   double acceleration = kInfinity;
-  for (std::size_t i = 0; i < axes; ++i) {
+  for (const std::size_t i : axes) {
     const sim::AxisLimits& l = machine.axes[i].second.limits;
     radius = std::min(radius, kShareOfTravel * (l.travel_max - l.travel_min));
     speed = std::min(speed, kShareOfSpeed * l.speed);
@@ -79,16 +108,16 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const PathOpti
     sim::Travel t;
     t.laps = o.laps;
     t.speed = v;
-    t.name = fmt::format("circle of {:.6g} mm through {} axes", radius * 1e3, axes);
-    if (axes == 1) {
-      t.path = circle_through<1>(machine, radius);
+    t.name = fmt::format("circle of {:.6g} mm through {} axes", radius * 1e3, axes.size());
+    if (axes.size() == 1) {
+      t.path = circle_through<1>(machine, axes, radius);
       t.pace = path::Pace::kRate;
       t.speed = v / radius;
       t.name = fmt::format("sine of {:.6g} mm, up to {:.6g} mm/s", radius * 1e3, v * 1e3);
-    } else if (axes == 2) {
-      t.path = circle_through<2>(machine, radius);
+    } else if (axes.size() == 2) {
+      t.path = circle_through<2>(machine, axes, radius);
     } else {
-      t.path = circle_through<3>(machine, radius);
+      t.path = circle_through<3>(machine, axes, radius);
     }
     travels.push_back(std::move(t));
   }
@@ -150,14 +179,21 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
   const PathOptions standard;
   if (source != PathSource::kPoints && path.join != standard.join)
     refuse_option("--join", "applies to a CSV file of points as --path only");
+  if (source != PathSource::kShape && !path.axes.empty())
+    refuse_option("--axes", "a file has its own axes (leave it out)");
   if (source == PathSource::kProgram) return use_part(spec, path, machine, machine_file);
   if (source == PathSource::kPoints) return use_points(spec, path, speeds, machine);
   if (!path.acceleration.empty() || !path.jerk.empty() || path.corner_tolerance != standard.corner_tolerance)
     refuse_option("--acceleration, --jerk, --corner-tolerance",
                   "go with a G-code or CSV file as --path only");
   spec.travels.clear();
+  spec.axes = named_axes(machine, machine_file, path);
   for (const double speed : speeds) {
     spec.travels.push_back(make_travel(path, speed));
+    const std::size_t needed = spec.travels.back().axes();
+    if (!spec.axes.empty() && spec.axes.size() != needed)
+      refuse_option("--axes",
+                    fmt::format("got {} axes, expected {} for this path", spec.axes.size(), needed));
     keep_circle_in_travel(spec.travels.back(), machine, spec);
   }
 }
@@ -216,10 +252,11 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
           fmt::format("--experiment {} is a circle (take --experiment {} for another path)", kOwn, kVaried));
     }
     sim::CompareSpec own;
-    own.travels = own_travels(machine, path, speeds);
+    own.axes = own_axes(machine, machine_file, path);
+    own.travels = own_travels(machine, own.axes, path, speeds);
     // One pole for all axes, which the stiffest demand of friction and encoder allows.
     double omega = kInfinity;
-    for (const auto& [name, axis] : machine.axes) omega = std::min(omega, axis.commissioning.omega);
+    for (const std::size_t i : own.axes) omega = std::min(omega, machine.axes[i].second.commissioning.omega);
     PathOptions gains = path;
     for (std::string* text : {&gains.omega_t, &gains.omega_n}) {
       if (text->empty()) *text = fmt::format("{} rad/s", omega);

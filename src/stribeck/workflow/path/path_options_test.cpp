@@ -82,5 +82,35 @@ TEST(PathOptions, ARunOnOneAxisIsThatOfCompare) {
   ASSERT_EQ(run.controllers.size(), 1U);
 }
 
+// Millimetres and milliradians make no circle.
+TEST(PathOptions, TheAxesOfAMotionAreChosen) {
+  sim::Machine machine = mill();
+  for (auto& [name, axis] : machine.axes) axis.published = {};
+  machine.axes[0].second.rotary = true;
+  PathOptions path;
+  EXPECT_THAT(experiment_spec(kOwn, path, {}, machine, "m.toml").axes, testing::ElementsAre(1, 2, 3));
+  for (auto& [name, axis] : machine.axes) axis.rotary = name != "z";
+  EXPECT_THAT(experiment_spec(kOwn, path, {}, machine, "m.toml").axes, testing::ElementsAre(2));
+  path.axes = {"z", "x"};
+  const sim::CompareSpec own = experiment_spec(kOwn, path, {}, machine, "m.toml");
+  EXPECT_THAT(own.axes, testing::ElementsAre(2, 0));
+  EXPECT_EQ(own.travels.front().axes(), 2U);
+  sim::CompareSpec circle;
+  use_path(circle, path, {5e-3}, machine, "m.toml");
+  EXPECT_THAT(circle.axes, testing::ElementsAre(2, 0));
+  const auto refusal = [&](std::vector<std::string> axes) {
+    path.axes = std::move(axes);
+    try {
+      use_path(circle, path, {5e-3}, machine, "m.toml");
+    } catch (const io::InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal({"x"}), HasSubstr("got 1 axes, expected 2 for this path"));
+  EXPECT_THAT(refusal({"x", "x"}), HasSubstr("axis \"x\" stands there twice"));
+  EXPECT_THAT(refusal({"x", "q"}), HasSubstr("no axis \"q\""));
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::path_options_test

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <stribeck/io/error.hpp>
@@ -14,8 +15,9 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Leaves only those controllers, in their order.
-void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<std::string>& only) {
+/// Of the first `of_experiment` leaves only those with these ids; controllers that the user added stay.
+void keep_only(std::vector<sim::ControllerSpec>& controllers, std::size_t of_experiment,
+               const std::vector<std::string>& only) {
   if (only.empty()) return;
   std::vector<std::string> ids;
   for (const sim::ControllerSpec& c : controllers) ids.push_back(c.id);
@@ -25,21 +27,41 @@ void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<
                     fmt::format("got {}, expected one of {}", io::in_quotes(id), report::listed(ids)));
     }
   }
-  std::erase_if(controllers, [&](const sim::ControllerSpec& c) {
+  const auto added = controllers.begin() + static_cast<std::ptrdiff_t>(of_experiment);
+  const auto left = std::remove_if(controllers.begin(), added, [&](const sim::ControllerSpec& c) {
     return std::find(only.begin(), only.end(), c.id) == only.end();
   });
+  controllers.erase(left, added);
 }
 
 sim::CompareSpec spec_of(const ComparisonOptions& o, const std::string& experiment,
                          const sim::Machine& machine) {
   sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
   add_beyond(s.controllers, experiment, o.parameters);
+  const std::size_t of_experiment = s.controllers.size();
   for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
-  keep_only(s.controllers, o.only);
+  keep_only(s.controllers, of_experiment, o.only);
   s.trials = o.trials;
   s.seed = o.seed;
   s.threads = o.threads;
   return s;
+}
+
+/// On a machine of one's own the gains of the experiment are a rule for recording: its (a) says little of the loop that the
+/// control has today.
+std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
+  const auto& all = plan.spec.controllers;
+  const bool without =
+      std::any_of(all.begin(), all.end(), [](const sim::ControllerSpec& c) { return c.id == "a"; });
+  if (plan.experiment != kOwn || !o.controllers.empty() || !without) return {};
+  double omega = INFINITY;
+  for (const std::size_t i : plan.spec.axes)
+    omega = std::fmin(omega, plan.machine.axes[i].second.commissioning.omega);
+  return fmt::format(
+      "(a) is the law of the other controllers without compensation, {}; it is not the loop that your control has: to see what that one leaves, "
+      "copy controllers/cascade.toml (P control of position around PI control of velocity), enter its gains, and give it as --controller",
+      o.path.omega_n.empty() ? fmt::format("with poles of {:.3g} rad/s, a rule for recording", omega)
+                             : "with your poles");
 }
 
 }  // namespace
@@ -71,9 +93,13 @@ Comparison run_plan(ComparisonPlan plan, Parameters parameters,
 
 Comparison run_comparison(const ComparisonOptions& o,
                           const std::function<void(std::size_t, std::size_t)>& progress) {
-  ComparisonPlan plan = plan_comparison(o, read_virtual_machine(o.machine, o.parameters.axis_files));
+  ComparisonPlan plan = plan_comparison(
+      o, read_virtual_machine(o.machine, o.parameters.axis_files, AxisWithoutTruth::kLeftOut));
   Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
-  return run_plan(std::move(plan), std::move(parameters), progress);
+  const std::string note = whose_loop(plan, o);
+  Comparison out = run_plan(std::move(plan), std::move(parameters), progress);
+  if (!note.empty()) out.uncovered.push_back(note);
+  return out;
 }
 
 nlohmann::ordered_json to_json(const Comparison& comparison) {

@@ -31,7 +31,7 @@ Tuning plan_tuning(const TuneOptions& options, const ParameterOptions& origin,
                    const std::string& machine_file) {
   Tuning t;
   t.machine_file = machine_file;
-  t.machine = read_virtual_machine(machine_file, origin.axis_files);
+  t.machine = read_virtual_machine(machine_file, origin.axis_files, AxisWithoutTruth::kLeftOut);
   t.origin = origin;
   t.spec = tune_spec(options, origin, t.machine, machine_file);
   check_travel(t.machine, machine_file, t.spec.compare);

@@ -59,7 +59,7 @@ class Reader {
         s.parameters.axis_files.push_back(axis + '=' + beside(file));
         s.inputs.push_back(beside(file));
       }
-      s.machine = read_virtual_machine(s.machine_file, s.parameters.axis_files);
+      s.machine = read_virtual_machine(s.machine_file, s.parameters.axis_files, AxisWithoutTruth::kLeftOut);
       set_up(s);
     });
     const std::vector<KnownAxis> known = known_axes(s);
