@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <stribeck/core/walk_fields.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -10,9 +11,13 @@
 namespace stribeck::workflow {
 namespace {
 
+/// Tables of an axis that init writes, in the order of the file.
+constexpr std::array<std::string_view, 4> kGroups{"limits", "drive", "drive_loop", "commissioning"};
+
 const Type& type_of_group(std::string_view group) {
   if (group == "limits") return type_of<sim::AxisLimits>;
   if (group == "drive") return type_of<DriveData>;
+  if (group == "drive_loop") return type_of<friction::DriveLoop>;
   return type_of<RoughAxis>;
 }
 
@@ -23,7 +28,9 @@ const Type& scalar_of(const Type& type) {
 
 /// As the file holds it: quoted, unless it is a list, a count or a switch.
 std::string as_toml(const FieldInfo& info, const std::string& value) {
-  const bool bare = scalar_of(*info.type).kind != Kind::kNumber ||
+  const Kind kind = scalar_of(*info.type).kind;
+  if (kind == Kind::kChoice || kind == Kind::kText) return '"' + value + '"';
+  const bool bare = kind != Kind::kNumber ||
                     (info.quantity.unit.empty() && value.find('%') == std::string::npos);
   if (bare || (!value.empty() && value[0] == '[')) return value;
   return '"' + value + '"';
@@ -56,9 +63,10 @@ std::string problem_of(const std::string& line, std::string_view key, bool rotar
 
 std::string problem_of(const Asked& asked, const std::string& value, bool rotary) {
   const std::string line = fmt::format("{} = {}\n", asked.key, as_toml(info_of(asked), value));
-  return asked.group == "limits"  ? problem_of<sim::AxisLimits>(line, asked.key, rotary)
-         : asked.group == "drive" ? problem_of<DriveData>(line, asked.key, rotary)
-                                  : problem_of<RoughAxis>(line, asked.key, rotary);
+  return asked.group == "limits"       ? problem_of<sim::AxisLimits>(line, asked.key, rotary)
+         : asked.group == "drive"      ? problem_of<DriveData>(line, asked.key, rotary)
+         : asked.group == "drive_loop" ? problem_of<friction::DriveLoop>(line, asked.key, rotary)
+                                       : problem_of<RoughAxis>(line, asked.key, rotary);
 }
 
 /// The axes that a value can belong to.
@@ -74,14 +82,15 @@ OfAxis axis_of(const Asked& asked, const std::string& value) {
 constexpr std::string_view heading_of(std::string_view group) {
   return group == "limits"  ? "what the axis may do"
          : group == "drive" ? "from the data sheets of motor and transmission; leave out what you do not have"
-                            : "known roughly before identification";
+         : group == "drive_loop" ? "the loop that the drive closes itself, from its settings"
+                                 : "known roughly before identification";
 }
 
 /// Keys of the file in the groups that init writes: those that it asks for, and behind them the others of the group.
 const std::vector<Asked>& known_keys() {
   static const std::vector<Asked> kAll = [] {
     std::vector<Asked> all;
-    for (const std::string_view group : {"limits", "drive", "commissioning"}) {
+    for (const std::string_view group : kGroups) {
       std::vector<Asked> some;
       for (const Asked& a : asked_keys()) {
         if (a.group == group) some.push_back(a);
@@ -105,7 +114,7 @@ const std::vector<Asked>& known_keys() {
                              const std::vector<std::string>& all) {
   const std::string_view near = io::nearest(key, {all.begin(), all.end()});
   for (const std::string& axis : draft.axes) {
-    for (const std::string_view group : {"limits", "drive", "commissioning"}) {
+    for (const std::string_view group : kGroups) {
       if (!key.starts_with(fmt::format("{}.{}.", axis, group))) continue;
       std::string keys;
       for (const Asked& a : known_keys()) {

@@ -47,10 +47,11 @@ struct DriveData {
               "force at 100 % of a linear motor")
             .or_default(),
         field("torque_constant", &D::torque_constant, quantity("N m/A", "N m/A").positive(),
-              "torque per ampere; with rated_current in place of rated_torque")
+              "torque per ampere: alone for logs in A, with rated_current in place of rated_torque")
             .or_default(),
-        field("force_constant", &D::force_constant, quantity("N/A", "N/A").positive(),
-              "force per ampere of a linear motor; with rated_current in place of rated_force")
+        field(
+            "force_constant", &D::force_constant, quantity("N/A", "N/A").positive(),
+            "force per ampere of a linear motor: alone for logs in A, with rated_current in place of rated_force")
             .or_default(),
         field("rated_current", &D::rated_current, quantity("A", "A").positive(),
               "current of one motor at 100 %")
@@ -118,10 +119,11 @@ struct DriveData {
              "needs the travel per turn: expected lead = \"10 mm\", pulley_diameter or travel_per_turn, with "
              "your value");
     }
-    if (!rated() && (linear || rotary || ways > 0)) {
+    if (!rated() && !per_ampere() && (linear || rotary || ways > 0)) {
       report(
           linear ? "rated_force" : "rated_torque",
-          "missing, expected rated_torque or rated_force, or torque_constant (force_constant) with rated_current");
+          "missing, expected rated_torque or rated_force, or torque_constant (force_constant), which is enough for logs in A; for logs in "
+          "percent with rated_current");
     }
     const std::optional<double> largest = at_axis(peak_torque, peak_force, peak_current);
     if (rated() && largest && *largest < *rated())

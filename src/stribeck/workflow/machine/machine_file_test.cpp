@@ -8,8 +8,10 @@
 #include <vector>
 
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/test_folder.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow::machine_file_test {
 namespace {
@@ -51,6 +53,10 @@ TEST(DriveData, GearsMotorsAndCurrentsMultiply) {
               1e-9);
   EXPECT_NEAR(*drive("torque_constant = \"0.5 N m/A\"\nrated_current = \"2 A\"\nlead = \"10 mm\"").rated(),
               *one.rated(), 1e-9);
+  // Enough for logs in amperes.
+  const DriveData constant = drive("torque_constant = \"0.5 N m/A\"\nlead = \"10 mm\"");
+  EXPECT_FALSE(constant.rated().has_value());
+  EXPECT_NEAR(*constant.per_ampere(), 0.5 * 2.0 * kPi / 0.01, 1e-9);
   EXPECT_NEAR(*drive("force_constant = \"50 N/A\"\nrated_current = \"6 A\"\npeak_force = \"900 N\"").peak(),
               900.0, 1e-9);
 }
@@ -213,6 +219,10 @@ TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
                                                         {"z.drive.pulley_diameter", "40 mm"},
                                                         {"z.drive.encoder_counts", "65536"},
                                                         {"z.drive.rotor_inertia", "1e-4 kg m2"},
+                                                        {"z.drive_loop.mode", "position"},
+                                                        {"z.drive_loop.gain", "60 N s/m"},
+                                                        {"z.drive_loop.position_gain", "2.5 (m/min)/mm"},
+                                                        {"z.drive_loop.velocity_feedforward", "0"},
                                                         {"z.commissioning.mass", "45 kg"},
                                                         {"z.commissioning.friction", "40 N"},
                                                         {"z.commissioning.omega", "30 rad/s"}}) {
@@ -224,6 +234,9 @@ TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
   EXPECT_EQ(*z.drive->encoder_counts, 65536);
   EXPECT_NEAR(*z.drive->rated(), 1.0 / 0.02, 1e-9);
   EXPECT_NEAR(*z.limits.jerk, 50.0, 1e-12);
+  ASSERT_TRUE(z.drive_loop.has_value());
+  EXPECT_EQ(z.drive_loop->mode, friction::DriveMode::kPosition);
+  EXPECT_NEAR(z.drive_loop->gain, 60.0, 1e-12);
   EXPECT_NEAR(*z.commissioning.omega, 30.0, 1e-12);
   // What is left out stands as a comment only where init asks for it.
   EXPECT_THAT(draft_text({"m", "2 ms", {"z"}, {}}), Not(HasSubstr("encoder_counts = ")));
@@ -232,6 +245,31 @@ TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
                   AllOf(HasSubstr("expected a key of drive: rated_torque, "), HasSubstr("encoder_counts"))));
   EXPECT_THAT([&] { check_value(draft, "--set", "w.drive.gear", "1"); },
               ThrowsMessage<io::InputError>(HasSubstr("with one of the axes of --axes")));
+}
+
+// An axis of which nothing is known does not keep the others from moving, where that is wanted.
+TEST(MachineFile, AnAxisWithoutATruthIsRefusedOrLeftOut) {
+  const MachineDescription description = read_description(kExamples + "gantry-virtual.toml");
+  const test::Folder folder;
+  // The same without the plant of y.
+  std::string text = io::read_text(kExamples + "gantry-virtual.toml");
+  const auto plant = text.find("[axes.y.plant");
+  ASSERT_NE(plant, std::string::npos);
+  const auto next = text.find("[axes.z", plant);
+  ASSERT_NE(next, std::string::npos);
+  const std::string file = folder.write("m.toml", text.substr(0, plant) + text.substr(next));
+  EXPECT_THAT([&] { read_virtual_machine(file); },
+              ThrowsMessage<io::InputError>(HasSubstr("axes.y.plant: missing")));
+  const sim::Machine machine = read_virtual_machine(file, {}, AxisWithoutTruth::kLeftOut);
+  ASSERT_EQ(machine.axes.size(), 2U);
+  EXPECT_EQ(machine.axes[0].first, "x");
+  EXPECT_EQ(machine.axes[1].first, "z");
+  EXPECT_GT(machine.axes[1].second.plant.mass, 0.0);
+  EXPECT_THAT(machine.left_out, ::testing::ElementsAre("y"));
+  EXPECT_THAT([&] { axis_index(machine, file, "y"); },
+              ThrowsMessage<io::InputError>(HasSubstr("axes.y.plant: missing")));
+  EXPECT_THAT([&] { read_virtual_machine(kExamples + "gantry.toml", {}, AxisWithoutTruth::kLeftOut); },
+              ThrowsMessage<io::InputError>(HasSubstr("axes.x.plant: missing")));
 }
 
 TEST(MachineFile, ARotaryAxisTakesAnglesTorquesAndInertias) {
