@@ -149,7 +149,10 @@ void complete_times(Log& log, const ReadOptions& options) {
     return;
   }
   const detail::ToldSampling told = detail::told_sampling(log);
-  const std::optional<double> period = options.sample_time ? options.sample_time : told.period;
+  const std::optional<double> period = options.sample_time ? options.sample_time
+                                       : told.period       ? told.period
+                                                           : options.machine_period;
+  const bool of_machine = !options.sample_time && !told.period;
   if (!period) {
     if (!options.times_needed) return;
     throw InputError(Problem{log.source, 0, "",
@@ -174,6 +177,7 @@ void complete_times(Log& log, const ReadOptions& options) {
       log.notes.push_back("the time is " + in_quotes(counter->header) + " times " + number_text(*period) +
                           " s" +
                           (options.sample_time ? ", the given sample time"
+                           : of_machine        ? ", the sample time of the machine file"
                                                : ", as the head of the file says: " + in_quotes(told.text)) +
                           "; rows that it does not count are missing");
       detail::add_time(log, std::move(t), "s");
@@ -181,11 +185,13 @@ void complete_times(Log& log, const ReadOptions& options) {
     }
   }
   detail::add_time(log, std::move(t), "s");
-  log.notes.push_back((options.sample_time ? "the time is made from the given sample time of "
-                                           : "there is no time column; the time is made from the head of the "
-                                             "file, which says " +
-                                                 in_quotes(told.text) + ": one row each ") +
-                      number_text(*period) + " s; a gap would not be seen");
+  log.notes.push_back(
+      (options.sample_time ? "the time is made from the given sample time of "
+       : of_machine ? "there is no time column; the time is made from the sample time of the machine file, "
+                    : "there is no time column; the time is made from the head of the "
+                      "file, which says " +
+                          in_quotes(told.text) + ": one row each ") +
+      number_text(*period) + " s; a gap would not be seen");
 }
 
 Log read_table(std::string_view text, const std::string& source, const ReadOptions& options) {

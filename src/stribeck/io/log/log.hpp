@@ -75,9 +75,10 @@ struct ReadOptions {
   std::size_t skip_lines = 0;  ///< lines before a CSV header
   /// "x mm" or "x [mm]", for logs without a header or in place of it.
   std::vector<std::string> names{};
-  std::optional<double> sample_time{};  ///< [s], for logs without times
-  std::string time_column{};            ///< header or name; empty: found by name and unit
-  bool times_needed = true;             ///< false: a table without times is taken as well
+  std::optional<double> sample_time{};     ///< [s], for logs without times
+  std::optional<double> machine_period{};  ///< [s], of the machine file, for logs whose head tells none
+  std::string time_column{};               ///< header or name; empty: found by name and unit
+  bool times_needed = true;                ///< false: a table without times is taken as well
 };
 
 /// Any log. What the options leave open is taken from the side file LOG.toml, if it exists.

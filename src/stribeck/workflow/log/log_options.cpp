@@ -87,6 +87,8 @@ io::Log read_log(const std::string& path, const LogOptions& options) {
   io::ReadOptions read;
   if (!options.sample_time.empty())
     read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
+  if (!options.drive.sample_time.empty())
+    read.machine_period = io::to_si(options.drive.sample_time, quantity("s", "ms"));
   for (const std::string& text : options.maps) {
     if (text.rfind("t=", 0) != 0) continue;
     // Only the name as it is written; a unit after it, with a factor or without, is handled later.

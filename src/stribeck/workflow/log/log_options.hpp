@@ -20,6 +20,8 @@ struct DriveScale {
   std::string per_ampere{};
   std::string per_newton_metre{};  ///< of one motor's torque
   std::string lead{};              ///< travel per turn of the motor
+  std::string count{};             ///< travel per count of the motor's encoder
+  std::string sample_time{};       ///< time between rows, for a log that tells none
   int motors = 1;                  ///< that drive the axis together: the scales are those of all
   bool rotary = false;             ///< the axis turns: degrees are its own, turns those of the motor
 };

@@ -56,6 +56,8 @@ DriveScale scale_of(const AxisDescription& axis) {
     scale.lead = axis.rotary ? text(360.0 * *r, "deg") : text(2e3 * kPi * *r, "mm");
     scale.per_newton_metre = text(axis.drive->motors / *r, "1/m");
   }
+  if (const auto step = axis.drive->resolution())
+    scale.count = axis.rotary ? text(*step * 180.0 / kPi, "deg") : text(*step * 1e3, "mm");
   return scale;
 }
 
@@ -135,13 +137,16 @@ void leave_out_resting(std::vector<std::string>& found, const io::Log& log, cons
 }  // namespace
 
 std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const std::vector<std::string>& logs,
-                                     const LogOptions& options) {
+                                     const LogOptions& given) {
+  LogOptions options = given;
+  if (machine.sample_time > 0.0) options.drive.sample_time = fmt::format("{} s", machine.sample_time);
   const std::vector<std::string> axes = axes_of(machine);
   std::vector<LogsOfAxis> all;
   for (const auto& [name, axis] : machine.axes) {
     all.push_back({name, options, {}, {}});
     all.back().options.axis = name;
     all.back().options.drive = scale_of(axis);
+    all.back().options.drive.sample_time = options.drive.sample_time;
   }
   for (const std::string& path : logs) {
     const io::Log log = read_log(path, options);

@@ -175,6 +175,41 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
       "N");
 }
 
+// The step of the encoder and the time between rows are in the machine file; what the log tells goes first.
+TEST(LogsByAxis, CountsAndRowsWithoutTimesTakeTheMachineFile) {
+  const Folder folder;
+  workflow::MachineDescription m = two_axes();
+  m.sample_time = 2e-3;
+  workflow::DriveData& drive = m.axes[0].second.drive.emplace();
+  drive.rated_torque = 1.5;
+  drive.travel_per_turn = 0.04;
+  drive.encoder_counts = 4000;
+  const auto axis_of = [&](const std::string& name, const std::string& text) {
+    const std::string log = folder.write(name, text);
+    const auto all = workflow::logs_by_axis(m, {log}, {});
+    const workflow::LogOptions& options = all.at(0).options;
+    const io::Log read = workflow::read_log(log, options);
+    return std::pair{workflow::logged_axis(read, options), read.notes};
+  };
+  std::string text = "Counter,x [counts],x_ref [counts],f [N]\n";
+  for (int k = 0; k < 20; ++k)
+    text += fmt::format("{},{},{},{}\n", 100 + k + (k > 9 ? 3 : 0), 10 * k, 10 * k, 0.1 * k);
+  const auto [counted, notes] = axis_of("x-1.csv", text);
+  const auto& run = counted.runs.front();
+  EXPECT_EQ(run.position_unit, "m");
+  EXPECT_NEAR(run.x.y[10], 100.0 * 0.04 / 4000.0, 1e-12);
+  EXPECT_NEAR(run.r.y[10], 100.0 * 0.04 / 4000.0, 1e-12);
+  EXPECT_NEAR(run.x.t[10] - run.x.t[0], 13 * 2e-3, 1e-12);  // three rows are missing
+  EXPECT_THAT(counted.notes, ::testing::Contains(HasSubstr("is 0.01 mm, as encoder_counts")));
+  EXPECT_THAT(notes, ::testing::Contains(HasSubstr("the sample time of the machine file")));
+  // Times of the log go first.
+  const auto timed = axis_of("x-2.csv", rows("t [s],x [counts],f [N]", 3)).first;
+  EXPECT_NEAR(timed.runs.front().x.t[10] - timed.runs.front().x.t[0], 10e-3, 1e-12);
+  // The other axis has no encoder in the file.
+  EXPECT_THAT([&] { axis_of("y-1.csv", rows("t [s],x [counts],f [N]", 3)); },
+              ::testing::ThrowsMessage<io::InputError>(HasSubstr("is in increments")));
+}
+
 // A worm gear of 90, 2 N m at 100 %: degrees are those of the table, turns those of the motor, torques those of the motor.
 TEST(LogsByAxis, ARotaryAxisIsReadInItsOwnDegrees) {
   const Folder folder;

@@ -175,6 +175,15 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
   const std::vector<MotionColumn> all = motion_of(columns, notes);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
+    if (is_count(m.from.unit) && !is_velocity(m.what) && !options.drive.count.empty()) {
+      if (base)
+        notes.push_back(fmt::format(
+            "a count of column {} is {}, as encoder_counts and the transmission of the machine file say (another length: --map {}=\"{} "
+            "0.001 mm\", with yours)",
+            io::in_quotes(header_of(*m.from.column)), six_digits(options.drive.count), enum_name(m.what),
+            m.from.column->name));
+      m.from.unit = options.drive.count;
+    }
     const bool counts = is_count(m.from.unit);
     const bool share = m.from.unit == "%";
     if ((m.from.unit.empty() || counts || share) && !base && !columns.mapped(m.what)) {
