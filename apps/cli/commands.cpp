@@ -15,6 +15,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::cli {
@@ -121,28 +122,13 @@ int parse_and_run(int argc, const char* const* argv) {
 
 }  // namespace
 
-std::string shell_quoted(std::string_view word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
-  std::string out = "'";
-  for (const char c : word) {
-    if (c == '\'') {
-      out += "'\\''";
-    } else {
-      out += c;
-    }
-  }
-  return out + '\'';
-}
-
 const std::string& typed_command() { return command_line; }
 
 int run(int argc, const char* const* argv) {
   // A reader that is gone is an error of the write, which is said.
   std::signal(SIGPIPE, SIG_IGN);
   command_line = "stribeck";
-  for (int i = 1; i < argc; ++i) command_line += ' ' + shell_quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) command_line += ' ' + report::shell_quoted(argv[i]);
   try {
     return parse_and_run(argc, argv);
   } catch (const io::InputError& e) {

@@ -37,9 +37,6 @@ AddVerb add_reference;
 /// Not in --help: `bench` starts it to run a shared object.
 AddVerb add_board_host;
 
-/// A word, quoted as a shell needs it.
-std::string shell_quoted(std::string_view word);
-
 /// The command as it was typed, for pages that show how to make them again.
 const std::string& typed_command();
 

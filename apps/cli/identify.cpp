@@ -14,6 +14,7 @@
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 #include <stribeck/workflow/inspect.hpp>
@@ -151,9 +152,10 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     };
     write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
     say(o.common,
-        fmt::format("{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
-                    next_log(open, found.result, shell_quoted(o.logs.front()), shell_quoted(one.axis),
-                             o.output.empty() ? "" : shell_quoted(o.output + "/" + one.axis + ".toml"))));
+        fmt::format(
+            "{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
+            next_log(open, found.result, report::shell_quoted(o.logs.front()), report::shell_quoted(one.axis),
+                     o.output.empty() ? "" : report::shell_quoted(o.output + "/" + one.axis + ".toml"))));
   }
   write_json(o.common.json, json, made);
   return 0;

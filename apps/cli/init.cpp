@@ -11,6 +11,7 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -89,7 +90,7 @@ int init(InitCommand o) {
   say(o.common, fmt::format("Machine file in {}.\n", o.output));
   if (!open.empty())
     say(o.common, fmt::format("To fill in, marked FILL IN: {}.\n", report::joined(open, ", ")));
-  say(o.common, fmt::format("Then: stribeck machine {}\n", shell_quoted(o.output)));
+  say(o.common, fmt::format("Then: stribeck machine {}\n", report::shell_quoted(o.output)));
   return 0;
 }
 

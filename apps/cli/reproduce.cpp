@@ -12,6 +12,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/reproduce/compare_documents.hpp>
@@ -37,7 +38,7 @@ std::string command_of(const ReproduceOptions& o) {
   if (o.seed != standard.seed) command += fmt::format(" --seed {}", o.seed);
   if (o.machines != standard.machines) command += fmt::format(" --machines {}", o.machines);
   if (o.vary != standard.vary) command += " --vary " + o.vary;
-  for (const std::string& name : o.controllers) command += " --controller " + shell_quoted(name);
+  for (const std::string& name : o.controllers) command += " --controller " + report::shell_quoted(name);
   return command;
 }
 

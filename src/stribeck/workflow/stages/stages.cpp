@@ -13,6 +13,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/sha256.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
@@ -186,7 +187,7 @@ class AxisStages {
     axis_.stage = CommissionStage::kNotDetermined;
     axis_.logs = logs_.logs;
     axis_.open = {scale_missing_};
-    axis_.next = {fmt::format("stribeck machine {}", options_.machine)};
+    axis_.next = {fmt::format("stribeck machine {}", report::shell_quoted(options_.machine))};
     return axis_;
   }
 
@@ -246,17 +247,17 @@ class AxisStages {
       return axis_;
     }
     axis_.open.push_back("sine, constant-acceleration and jog are recorded: look at what the logs contain");
-    axis_.next.push_back(
-        fmt::format("stribeck identify --inspect {} --axis {}", report::joined(logs_.logs, " "), axis_.axis));
+    axis_.next.push_back(fmt::format("stribeck identify --inspect {} --axis {}",
+                                     report::shell_quoted(logs_.logs), axis_.axis));
     return axis_;
   }
 
   /// The command that designs the log to record next.
   void record(const std::string& method) {
     const std::string suffix = axis_.stage == CommissionStage::kNotVerified ? std::string(kVerify) : method;
-    axis_.next.push_back(
-        fmt::format("stribeck excite {} --axis {} --method {} -o {}-{}-reference.csv --gcode {}-{}.ngc",
-                    options_.machine, axis_.axis, method, axis_.axis, suffix, axis_.axis, suffix));
+    axis_.next.push_back(fmt::format(
+        "stribeck excite {} --axis {} --method {} -o {}-{}-reference.csv --gcode {}-{}.ngc",
+        report::shell_quoted(options_.machine), axis_.axis, method, axis_.axis, suffix, axis_.axis, suffix));
     axis_.next.push_back(fmt::format("run it, record it as {}/{}-{}.csv, and give this command again",
                                      options_.folder, axis_.axis, suffix));
   }
@@ -292,8 +293,8 @@ class AxisStages {
       if (std::error_code ignored; fs::exists(path, ignored))
         axis_.open.push_back(path + " is still that of earlier logs");
       axis_.next.push_back(fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
-                                       options_.machine, report::joined(axis_.logs, " "), axis_.axis,
-                                       axis_.axis));
+                                       report::shell_quoted(options_.machine),
+                                       report::shell_quoted(axis_.logs), axis_.axis, axis_.axis));
       return;
     }
     if (std::error_code ignored; fs::exists(path, ignored) && io::sha256_of_file(path) != own_)
@@ -306,8 +307,8 @@ class AxisStages {
     axis_.stage = CommissionStage::kReady;
     axis_.axis_file = path;
     axis_.axis_file_sha256 = io::hexadecimal(io::sha256(text));
-    axis_.next.push_back(
-        fmt::format("stribeck export {} --to linuxcnc --lincurve -o {}.hal", path, axis_.axis));
+    axis_.next.push_back(fmt::format("stribeck export {} --to linuxcnc --lincurve -o {}.hal",
+                                     report::shell_quoted(path), axis_.axis));
   }
 
   const StageOptions& options_;
