@@ -149,16 +149,19 @@ void add_steps(Health& health) {
       change.probability = s.probability;
       change.beyond_limit = s.beyond_limit;
       change.undone = s.undone;
+      change.restores = s.restores;
       health.changes.push_back(std::move(change));
-    } else if (s.beyond_limit && !s.undone) {
+    } else if (s.matters()) {
       same->beyond_limit = true;
       same->undone = false;
+      same->restores = false;
     }
   }
   for (Change& change : health.changes) {
     for (std::size_t i = 0; i < health.channels.size(); ++i)
       change.shifts.push_back(shift_at(health.channels[i], i, change.day));
     judge(change, health.channels);
+    if (change.restores) change.causes.clear();  // what was the cause of the earlier step is gone
   }
 }
 

@@ -99,11 +99,12 @@ struct Change {
   double probability = 1.0;
   bool beyond_limit = false;
   bool undone = false;
+  bool restores = false;      ///< takes an earlier step back
   std::vector<Shift> shifts;  ///< one for each channel
   std::vector<Cause> causes;
 
-  /// Whether it lasts and is beyond its limit.
-  [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone; }
+  /// Whether it lasts, is beyond its limit, and is no return to what was.
+  [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone && !restores; }
 };
 
 struct Health {

@@ -257,6 +257,18 @@ void mark_undone(std::vector<Step>& steps) {
   }
 }
 
+/// `limit`: of a step.
+void mark_restoring(std::vector<Step>& steps, double limit) {
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    double rest = steps[k].change;  // of the number, from what it was before step i
+    for (std::size_t i = k; i-- > 0 && !steps[k].restores;) {
+      rest += steps[i].change;
+      steps[k].restores = steps[i].change * steps[k].change < 0.0 && std::abs(rest) < limit &&
+                          std::abs(rest) <= 0.5 * std::abs(steps[i].change);
+    }
+  }
+}
+
 }  // namespace
 
 Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options) {
@@ -297,6 +309,7 @@ Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options
     out.steps.push_back(step);
   }
   mark_undone(out.steps);
+  mark_restoring(out.steps, options.step_limit * options.scale);
   const std::size_t first = division.begins.size() > 1 ? division.begins[1] : n;
   const double middle = day[(std::min(first, kReferenceReadings) - 1) / 2];
   out.reference = fits.front().at(middle);
@@ -304,8 +317,7 @@ Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options
   out.slope = fits.back().slope;
   out.drift_half_width =
       kTwoSided * std::sqrt(fits.front().variance_at(middle) + fits.back().variance_at(day.back()));
-  out.stepped = std::any_of(out.steps.begin(), out.steps.end(),
-                            [](const Step& s) { return s.beyond_limit && !s.undone; });
+  out.stepped = std::any_of(out.steps.begin(), out.steps.end(), [](const Step& s) { return s.matters(); });
   out.drifted =
       std::abs(out.now - out.reference) - out.drift_half_width > options.drift_limit * options.scale;
   return out;

@@ -54,6 +54,11 @@ struct Step {
   double probability = 0.0;
   bool beyond_limit = false;
   bool undone = false;  ///< a later step took back at least half of it
+  bool restores =
+      false;  ///< takes an earlier step back, so that the number is within its limit of what it was before
+
+  /// Whether it lasts, is beyond its limit, and is no return to what was.
+  [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone && !restores; }
 };
 
 struct FittedPoint {
@@ -73,7 +78,7 @@ struct Trend {
   double slope = 0.0;              ///< of the last piece, per day
   double scatter = kNaN;           ///< standard deviation of one measurement
   double per_degree = kNaN;        ///< effect of temperature that was taken off; NaN: none
-  bool stepped = false;            ///< a step beyond its limit that was not undone
+  bool stepped = false;            ///< a step beyond its limit that was not undone and restores nothing
   bool drifted = false;            ///< now is beyond the drift limit with 95 % confidence
 
   [[nodiscard]] bool changed() const noexcept { return stepped || drifted; }

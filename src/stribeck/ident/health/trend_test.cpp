@@ -109,6 +109,19 @@ TEST(HealthTrend, WhatWasRepairedNoLongerCounts) {
   ASSERT_EQ(trend.steps.size(), 2U);
   EXPECT_TRUE(trend.steps[0].beyond_limit && trend.steps[0].undone);
   EXPECT_FALSE(trend.steps[1].undone) << "the repair itself lasts";
+  EXPECT_TRUE(trend.steps[1].restores);
+  EXPECT_FALSE(trend.stepped);
+}
+
+// A second fault that ends at another level than the first began at.
+TEST(HealthTrend, AStepBeyondWhatWasThereBeforeRestoresNothing) {
+  std::vector<Reading> readings = Series().readings(4);
+  for (int d = 80; d < 110; ++d) readings[static_cast<std::size_t>(d)].value += 0.2;
+  for (std::size_t d = 110; d < readings.size(); ++d) readings[d].value -= 0.2;
+  const Trend trend = trend_of(readings, {});
+  ASSERT_EQ(trend.steps.size(), 2U);
+  EXPECT_FALSE(trend.steps[0].restores || trend.steps[1].restores);
+  EXPECT_TRUE(trend.stepped);
 }
 
 TEST(HealthTrend, TheEffectOfTemperatureIsTakenOff) {

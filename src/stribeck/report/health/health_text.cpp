@@ -57,6 +57,7 @@ Json to_json(const Change& change, const std::vector<Channel>& channels) {
   out["probability"] = change.slow ? Json(nullptr) : number_or_null(change.probability);
   out["beyond_limit"] = change.beyond_limit;
   out["undone"] = change.undone;
+  out["restores"] = change.restores;
   out["effects"] = Json::array();
   for (const health::Shift& s : change.shifts) {
     const Channel& c = channels[s.channel];
@@ -158,6 +159,7 @@ std::string kind_of(const Change& change) {
       change.probability > 0.999 ? "above 99.9" : decimals(100.0 * change.probability, 1);
   return fmt::format("step, {} % sure, {}", sure,
                      change.undone         ? "taken back since"
+                     : change.restores     ? "takes an earlier step back"
                      : change.beyond_limit ? "beyond its limit"
                                            : "within the limits");
 }
