@@ -67,10 +67,8 @@ Outcome evaluate(const py::args& logs, const py::kwargs& given) {
   o.logs = names_of(read);
   return unlocked([&] {
     const report::CircleReportInput input = workflow::judge_circles(o, read);
-    const std::vector<report::CircleVerdict> verdicts = report::circle_verdicts(input);
-    const bool passed = std::all_of(verdicts.begin(), verdicts.end(),
-                                    [](const report::CircleVerdict& v) { return v.passed(); });
-    return Outcome{report::to_json(input), report::text_table(input), std::nullopt, passed};
+    return Outcome{report::to_json(input), report::text_table(input), std::nullopt,
+                   report::within_limits(input)};
   });
 }
 

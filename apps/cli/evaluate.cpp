@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -36,10 +35,7 @@ int evaluate(const EvaluateCommand& o) {
   write_json(o.common.json, report::to_json(input), made);
   report::write_circle_report(folders_of(o.common), input);
   say(o.common, report::text_table(input));
-  const std::vector<report::CircleVerdict> verdicts = report::circle_verdicts(input);
-  const bool passed = std::all_of(verdicts.begin(), verdicts.end(),
-                                  [](const report::CircleVerdict& v) { return v.passed(); });
-  return passed ? 0 : 1;
+  return report::within_limits(input) ? 0 : 1;
 }
 
 /// Readings of a dial indicator: lost motion of one axis.
@@ -111,7 +107,7 @@ void add_evaluate(CLI::App& app, Action& action) {
           "--limit", o->what.limits,
           fmt::format(
               "Largest allowed value of a figure, repeatable: {}; exit code 1 where a log is above it or the figure "
-              "was not measured",
+              "was not measured; of several logs the first, with which the others are compared, does not decide (with --together it does)",
               report::listed(report::limited_figures())))
       ->type_name("FIGURE=LENGTH");
   verb->add_flag("--together", o->what.together,

@@ -63,6 +63,7 @@ void note_other_length(const Track& t, double radius, std::vector<std::string>& 
 /// Runs of rows without times have the feed that was stated.
 circle::CircleMotion motion_of(const Track& t, double radius) {
   circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
+  motion.axes = t.axes;
   motion.ball_bar = t.ball_bar;
   if (t.ball_bar) note_other_length(t, radius, motion.notes);
   for (circle::CircleRun& run : motion.runs) {
@@ -92,7 +93,7 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
       throw io::InputError(
           {log.source, 0, where,
            fmt::format(
-               "the longest arc in one direction is one of {:.0f} deg, expected at least one revolution; got {} rows "
+               "the longest arc in one direction is one of {:.0f} deg, expected at least 175 deg, better a revolution; got {} rows "
                "(--where COLUMN=VALUE chooses rows, --size is the nominal radius)",
                motion.longest_arc * 180.0 / kPi, t.x.size())});
     one.circles.push_back(tested(log, t, where, radius));
@@ -103,11 +104,15 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
        {motion.runs.front().counter_clockwise, !motion.runs.front().counter_clockwise}) {
     Track own = t.empty_copy();
     double revolutions = 0.0;
-    for (const circle::CircleRun& run : motion.runs) {
+    std::vector<int> part;
+    for (std::size_t r = 0; r < motion.runs.size(); ++r) {
+      const circle::CircleRun& run = motion.runs[r];
       if (run.counter_clockwise != counter_clockwise) continue;
       for (std::size_t i = run.first; i < run.last; ++i) own.append(t, i);
+      part.resize(own.x.size(), static_cast<int>(r));
       revolutions += run.revolutions;
     }
+    own.part = std::move(part);  // between two runs nothing is travelled
     if (own.x.empty()) continue;
     one.circles.push_back(tested(log, own, where, radius));
     one.circles.back().revolutions = revolutions;
@@ -131,6 +136,9 @@ void add_test(report::CircleLog& one, const Track& all, double radius,
   one.notes.insert(one.notes.end(), motion.notes.begin(), motion.notes.end());
   if (motion.runs.empty()) return;
   one.test = circle::circular_test(all.samples(), motion);
+  double feeds = 0.0;
+  for (const circle::CircleRun& run : motion.runs) feeds += run.feed;
+  one.feed = feeds / static_cast<double>(motion.runs.size());
   motions.push_back(std::move(motion));
 }
 
@@ -212,6 +220,7 @@ Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, 
   Judged j;
   j.one.file = o.logs[at];
   j.one.label = o.labels.empty() ? std::filesystem::path(o.logs[at]).stem().string() : o.labels[at];
+  j.one.axes = track.axes;
   j.one.notes = track.notes;
   j.all = track.empty_copy();
   for (const std::string& where : o.where.empty() ? std::vector<std::string>{""} : o.where) {
@@ -259,6 +268,12 @@ void check_as_first(const report::CircleLog& one, const report::CircleLog& first
                           {},
                           fmt::format("has {} circles, one for each direction; {} has {}", one.circles.size(),
                                       first.file, first.circles.size())});
+  if (one.axes != first.axes)
+    throw io::InputError({one.file,
+                          0,
+                          {},
+                          fmt::format("is a circle of {} and {}; {} is one of {} and {} (judge them apart)",
+                                      one.axes[0], one.axes[1], first.file, first.axes[0], first.axes[1])});
   for (std::size_t c = 0; c < one.circles.size(); ++c) {
     if (one.circles[c].counter_clockwise != first.circles[c].counter_clockwise)
       throw io::InputError(

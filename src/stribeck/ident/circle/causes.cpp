@@ -132,8 +132,8 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
       out.size = std::hypot(x, y);
       out.half_width = std::max(u.half_width(g), width_of_second(u, f.fit, c));
       out.effect = 2.0 * out.size;
-      figure("x", x * 1e6, std::nan(""), "um");
-      figure("y", y * 1e6, std::nan(""), "um");
+      figure(f.rows.axes[0], x * 1e6, std::nan(""), "um");
+      figure(f.rows.axes[1], y * 1e6, std::nan(""), "um");
       break;
     }
     default:
@@ -308,6 +308,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   }
   const stats::Uncertainty u(f.fit.X, f.fit.rest, f.fit.inverse, record, at);
   Diagnosis out;
+  out.axes = f.rows.axes;
   const bool commanded =
       std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.commanded; });
   for (const CauseColumns& c : f.design.columns.causes) {

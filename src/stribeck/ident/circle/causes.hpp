@@ -72,6 +72,7 @@ struct Cause {
 };
 
 struct Diagnosis {
+  AxisNames axes{"x", "y"};
   std::vector<Cause> causes;  ///< found ones first, largest effect first
   std::vector<QuadrantPeak> peaks;
   std::vector<std::string> remarks;  ///< what these measurements cannot tell apart

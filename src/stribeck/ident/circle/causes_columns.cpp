@@ -14,8 +14,11 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   add(CauseKind::kRadius, std::nullopt);
   add(CauseKind::kScaleMismatch, std::nullopt);
   add(CauseKind::kSquareness, std::nullopt);
-  add(CauseKind::kStraightness, 0);
-  add(CauseKind::kStraightness, 1);
+  // On an arc a bow is too much like a centre and a scale.
+  if (!rows.arcs) {
+    add(CauseKind::kStraightness, 0);
+    add(CauseKind::kStraightness, 1);
+  }
   add(CauseKind::kBacklash, 0, 2);
   add(CauseKind::kBacklash, 1, 2);
   if (rows.both_directions) {

@@ -26,11 +26,13 @@ struct CauseRow {
 };
 
 struct CauseRows {
+  AxisNames axes{"x", "y"};
   std::vector<CauseRow> rows;
   double radius = 0.0;
   double step = 0.0;  ///< [rad]
   int logs = 0;
   bool both_directions = false;
+  bool arcs = false;  ///< a part of the circle is missing
   bool feeds_known = false;
   bool feeds_differ = false;  ///< by more than a fifth
   double fastest = 0.0;       ///< [m/s]

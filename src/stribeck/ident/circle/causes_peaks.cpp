@@ -171,6 +171,28 @@ QuadrantPeak peak_of(const PeakPlace& place, const Profile& p, const CauseRows& 
   return peak;
 }
 
+/// RMS of the rest where no peak is, over all runs; infinite: nowhere.
+double rest_beside_peaks(const CauseRows& rows, const std::vector<double>& rest, const Windows& windows) {
+  double square = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const auto axis = static_cast<std::size_t>(last_border(rows.rows[i]) % 2);
+    if (after_reversal(rows.rows[i]) < windows[axis] || !std::isfinite(rest[i])) continue;
+    square += rest[i] * rest[i];
+    ++count;
+  }
+  return count > 0 ? std::sqrt(square / count) : HUGE_VAL;
+}
+
+/// Whether the angle behind a reversal was travelled: an arc begins anywhere in its quadrant.
+bool covers_reversal(const Profile& p, double step) {
+  constexpr double kBehind = 10.0 * kPi / 180.0;
+  const auto all = std::clamp<std::size_t>(static_cast<std::size_t>(kBehind / step), 1, p.mean.size());
+  const auto there = std::count_if(p.mean.begin(), p.mean.begin() + static_cast<std::ptrdiff_t>(all),
+                                   [](double v) { return std::isfinite(v); });
+  return 4 * static_cast<std::size_t>(there) >= all;
+}
+
 }  // namespace
 
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
@@ -184,8 +206,12 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
   }
   std::vector<QuadrantPeak> out;
   for (const auto& [place, profile] : profiles(rows, rest)) {
+    if (!covers_reversal(profile, rows.step)) continue;
     const auto axis = static_cast<std::size_t>(std::get<2>(place) % 2);
     out.push_back(peak_of(place, profile, rows, windows[axis], crossing[axis]));
+    // An arc may end within the window.
+    if (!std::isfinite(out.back().half_width_95))
+      out.back().half_width_95 = 1.96 * rest_beside_peaks(rows, rest, windows);
     const auto feed = feeds.find(std::get<1>(place));
     out.back().feed = feed == feeds.end() ? std::numeric_limits<double>::quiet_NaN()
                                           : feed->second.first / feed->second.second;

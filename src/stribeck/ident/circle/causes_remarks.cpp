@@ -12,8 +12,10 @@ namespace stribeck::ident::circle {
 namespace {
 
 /// Whether the spikes of an axis keep their time or their travel from feed to feed.
-void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radius,
+void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, const CauseRows& rows,
                    std::vector<std::string>& remarks) {
+  const double radius = rows.radius;
+  const std::string& name = rows.axes[static_cast<std::size_t>(axis)];
   double slow = HUGE_VAL;
   double fast = 0.0;
   for (const QuadrantPeak& p : peaks) {
@@ -34,7 +36,6 @@ void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radi
   angle_fast /= count_fast;
   const double time = std::log(angle_fast / fast / (angle_slow / slow));
   const double travel = std::log((1.0 - std::cos(angle_fast)) / (1.0 - std::cos(angle_slow)));
-  const char* name = axis == 0 ? "x" : "y";
   const std::string tops = fmt::format(
       "tops at {:.1f} ms and {:.1f} µm of travel at {:.0f} mm/min, at {:.1f} ms and {:.1f} µm at {:.0f} mm/min",
       1e3 * angle_slow * radius / slow, 1e6 * radius * (1.0 - std::cos(angle_slow)), 6e4 * slow,
@@ -159,12 +160,16 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
     out.emplace_back(
         "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be distinguished from those of the "
         "scales; measure at a second feed, at least twice as fast, and give both logs with --together");
+  if (rows.arcs)
+    out.emplace_back(
+        "an arc: the centre, the scales and the squareness are known less well than from a whole circle, the bow of a guide is not looked for, and what "
+        "happens in the missing part is not seen");
   for (const std::size_t axis : {0U, 1U}) {
     constexpr double kBroad = 44.0 * kPi / 180.0;
     if (fit.windows[axis] > kBroad)
       out.push_back(fmt::format(
           "what {0} does behind its reversals reaches over {1:.0f} degrees and more: a part of its spikes may be stated as backlash of {0}, scale mismatch or radius",
-          axis == 0 ? "x" : "y", fit.windows[axis] * 180.0 / kPi));
+          rows.axes[axis], fit.windows[axis] * 180.0 / kPi));
   }
   if (is_found(causes, CauseKind::kReversalSpike)) {
     if (!rows.feeds_differ) {
@@ -175,7 +180,7 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
       for (const int axis : {0, 1}) {
         for (const Cause& c : causes) {
           if (c.kind == CauseKind::kReversalSpike && c.axis == axis && c.found)
-            compare_feeds(peaks, axis, rows.radius, out);
+            compare_feeds(peaks, axis, rows, out);
         }
       }
     }

@@ -59,6 +59,7 @@ void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
 CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
   CauseRows out;
   if (motions.empty()) return out;
+  out.axes = motions.front().axes;
   out.radius = motions.front().radius;
   out.step = step_of(motions);
   out.feeds_known = true;
@@ -67,6 +68,7 @@ CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
   double slowest = HUGE_VAL;
   int number = 0;
   for (const CircleMotion& m : motions) {
+    out.arcs = out.arcs || m.arcs;
     for (const CircleRun& run : m.runs) {
       add_run(out, run, out.logs, number++);
       (run.counter_clockwise ? forward : back) = true;

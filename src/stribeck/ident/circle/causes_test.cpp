@@ -104,6 +104,45 @@ TEST(Causes, ABroadSpikeIsNoBacklash) {
   EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
 }
 
+// 220 degrees of the circle, in both directions and at two feeds: what they hold is found, with wider intervals.
+TEST(Causes, OfArcs) {
+  VirtualMachine m;
+  m.backlash[0] = 6e-6;
+  m.spike[1] = 5e-6;
+  m.tilt = 60e-6;
+  std::mt19937_64 random(19);
+  for (const bool commanded : {true, false}) {
+    std::vector<CircleMotion> all;
+    for (const double feed : {kFeed, 2.5 * kFeed}) {
+      const VirtualRecord whole = travel(m, feed, 1.3, random);
+      VirtualRecord arcs;
+      for (std::size_t i = 0; i < whole.x.size(); ++i) {
+        if (whole.cy[i] < -std::sin(20.0 * kPi / 180.0) * m.radius) continue;
+        arcs.t.push_back(whole.t[i]), arcs.x.push_back(whole.x[i]), arcs.y.push_back(whole.y[i]);
+        if (commanded) arcs.cx.push_back(whole.cx[i]), arcs.cy.push_back(whole.cy[i]);
+      }
+      all.push_back(arcs.motion(m.radius));
+      EXPECT_TRUE(all.back().arcs);
+    }
+    const auto d = diagnose(all);
+    ASSERT_TRUE(d);
+    const Cause& backlash = cause_in(*d, CauseKind::kBacklash, 0);
+    EXPECT_TRUE(backlash.found);
+    EXPECT_NEAR(backlash.size, 6e-6, 0.3e-6);
+    const Cause& spike = cause_in(*d, CauseKind::kReversalSpike, 1);
+    EXPECT_TRUE(spike.found);
+    EXPECT_NEAR(spike.size, 5e-6, 0.5e-6);
+    const Cause& squareness = cause_in(*d, CauseKind::kSquareness, 0);
+    EXPECT_TRUE(squareness.found);
+    EXPECT_NEAR(squareness.size, 0.5 * 60e-6 * m.radius, 0.6e-6);
+    for (const std::string& one : found_in(*d))
+      EXPECT_THAT(one, testing::AnyOf("backlash x", "reversal spike y", "squareness")) << commanded;
+    // y reverses at +90 degrees alone.
+    for (const QuadrantPeak& p : d->peaks) EXPECT_FALSE(p.axis == 1 && std::sin(p.angle) < 0.0);
+    EXPECT_THAT(d->remarks, Contains(HasSubstr("an arc: ")));
+  }
+}
+
 TEST(Causes, ASpikeAtOneEndOfAnAxis) {
   VirtualMachine m;
   m.spike[1] = 3e-6;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/ident/circle/minimum_zone.hpp>
@@ -48,13 +49,14 @@ void add_laps(DirectionTest& d, const CircleSamples& s, const CircleRun& run) {
   for (std::size_t i = 1; i <= run.lap.size(); ++i) {
     if (i < run.lap.size() && run.lap[i] == run.lap[first]) continue;
     const double turned = std::abs(run.angle[i - 1] - run.angle[first]);
-    if (i - first >= CircleTest::kFewest && turned >= 0.98 * 2.0 * kPi)
+    if (i - first >= CircleTest::kFewest && turned >= 0.98 * 2.0 * kPi * std::min(run.revolutions, 1.0))
       d.laps.push_back(lap_test(s, run, first, i));
     first = i;
   }
 }
 
-/// Mean radius over steps of the angle; a step without samples lies on the line between its neighbours.
+/// Mean radius over steps of the angle; a step without samples lies on the line between its neighbours, which are at most ten degrees
+/// apart; else NaN.
 std::vector<double> mean_path(const CircleSamples& s, const CircleMotion& motion, bool counter_clockwise,
                               const Centre& c, std::size_t steps) {
   std::vector<double> sum(steps, 0.0);
@@ -80,6 +82,10 @@ std::vector<double> mean_path(const CircleSamples& s, const CircleMotion& motion
     while (before < steps && count[(k + steps - before) % steps] == 0.0) ++before;
     std::size_t after = 1;
     while (after < steps && count[(k + after) % steps] == 0.0) ++after;
+    if (36 * (before + after) > steps + 36) {
+      path[k] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
     const std::size_t b = (k + steps - before) % steps;
     const std::size_t a = (k + after) % steps;
     const double share = static_cast<double>(before) / static_cast<double>(before + after);
@@ -100,7 +106,7 @@ void add_hysteresis(CircularTest& t, const CircleSamples& s, const CircleMotion&
   t.hysteresis = 0.0;
   for (std::size_t k = 0; k < fewest; ++k) {
     const double h = std::abs(one[k] - other[k]);
-    if (h <= *t.hysteresis) continue;
+    if (!(h > *t.hysteresis)) continue;
     t.hysteresis = h;
     t.hysteresis_angle = 2.0 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(fewest);
   }

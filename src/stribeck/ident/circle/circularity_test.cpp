@@ -85,6 +85,43 @@ TEST(CircleMotion, RunInOffDirectionsAndLapsApart) {
   }
 }
 
+// As a ball-bar measures in a plane with z: 220 degrees, there and back.
+TEST(CircleMotion, ArcsStandForACircleWhereThereIsNone) {
+  const auto oval = [](double a, double way) { return 3e-6 * std::cos(2.0 * a) + (way > 0.0 ? 1e-6 : 0.0); };
+  for (const bool commanded : {true, false}) {
+    Travel travel;
+    travel.angle = -35.0 * kPi / 180.0;
+    for (const double way : {1.0, -1.0}) {
+      travel.go(way * 12.0 / 360.0, kRate, oval);
+      travel.go(way * 226.0 / 360.0, kRate, oval);
+      travel.go(way * 12.0 / 360.0, 0.0, oval);
+    }
+    const CircleMotion m = travel.motion(commanded);
+    EXPECT_TRUE(m.arcs);
+    ASSERT_EQ(m.runs.size(), 2U);
+    const double near = commanded ? 1e-8 : 10e-6;  // an oval moves the centre of an arc
+    EXPECT_NEAR(m.centre_x, 0.2, near);
+    EXPECT_NEAR(m.centre_y, -0.1, near);
+    for (const CircleRun& run : m.runs) EXPECT_NEAR(run.revolutions * 360.0, 226.0, 12.0);
+    const CircularTest t = circular_test(travel.samples(commanded), m);
+    ASSERT_EQ(t.directions.size(), 2U);
+    ASSERT_TRUE(t.hysteresis.has_value());
+    EXPECT_NEAR(*t.hysteresis, 1e-6, 0.02e-6);
+    for (const DirectionTest& d : t.directions) {
+      ASSERT_EQ(d.laps.size(), 1U);
+      // A linear programme has 2.70 um from -20 to 200 degrees, 2.57 um from -18 to 198: a part of the oval goes into the centre.
+      EXPECT_NEAR(d.circular_deviation, 2.7e-6, 0.15e-6);
+    }
+  }
+  // Beside a whole revolution an arc is left out.
+  Travel whole;
+  whole.go(1.1, kRate, oval);
+  whole.go(-220.0 / 360.0, kRate, oval);
+  const CircleMotion m = whole.motion();
+  EXPECT_FALSE(m.arcs);
+  EXPECT_EQ(m.runs.size(), 1U);
+}
+
 /// A revolution of 50 mm at full speed between approaches: along a radius, or along a half circle of half the radius.
 Travel approached(bool along_an_arc, double oval) {
   Travel t;

@@ -21,13 +21,14 @@ constexpr double kSectorOfRun = 5.0 * kPi / 180.0;
 /// Positions farther off than this share of the radius belong to the approach to the circle.
 constexpr double kOffCircle = 0.2;
 
-/// Middle of the box round all points, then three times the least-squares circle of those near it; absent where there is none.
-std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius) {
+/// Middle of the box round all points, then `passes` times the least-squares circle of those near it; absent where there is none.
+std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius,
+                                int passes) {
   if (x.empty()) return std::nullopt;
   const auto [left, right] = std::minmax_element(x.begin(), x.end());
   const auto [low, high] = std::minmax_element(y.begin(), y.end());
   Centre c{0.5 * (*left + *right), 0.5 * (*low + *high)};
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < passes; ++k) {
     std::vector<double> near_x;
     std::vector<double> near_y;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -281,8 +282,9 @@ struct Found {
   double longest = 0.0;  ///< arc in one direction [rad]
 };
 
+/// `least`: a whole turn, or the least arc.
 Found revolutions(const CircleSamples& s, std::span<const double> time, bool commanded, const Centre& c,
-                  double radius) {
+                  double radius, double least) {
   const std::span<const double> x = commanded ? s.command_x : s.x, y = commanded ? s.command_y : s.y;
   OnCircle on = on_circle(x, y, time, s.part, c, radius);
   std::vector<double> radii;
@@ -293,15 +295,17 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
     for (const Stretch& way : one_direction(on.turned, rows.first, rows.last, kSamePlace * on.usual)) {
       const Stretch whole = without_rest(on.turned, way);
       Stretch one = without_approach(radii, commanded, radius, whole);
-      if (turn_of(on.turned, one) < kWholeTurn && turn_of(on.turned, whole) >= kWholeTurn) {
+      const std::string shorter =
+          least < kWholeTurn ? fmt::format("{:.0f} deg", least * 180.0 / kPi) : std::string("one revolution");
+      if (turn_of(on.turned, one) < least && turn_of(on.turned, whole) >= least) {
         out.notes.push_back(fmt::format(
-            "rows {} to {}: both ends are off the circle and scored too: without them less than one revolution is left",
-            s.row_of(whole.first), s.row_of(whole.last - 1)));
+            "rows {} to {}: both ends are off the circle and scored too: without them less than {} is left",
+            s.row_of(whole.first), s.row_of(whole.last - 1), shorter));
         one = whole;
       }
       const double turn = turn_of(on.turned, one);
       out.longest = std::max(out.longest, turn);
-      if (turn < kWholeTurn) {
+      if (turn < least) {
         if (turn > 2.0 * kTurnedBack)
           out.notes.push_back(
               fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, a circle is a whole revolution",
@@ -309,10 +313,10 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
         continue;
       }
       Stretch scored = at_speed(on.turned, time, one);
-      if (turn_of(on.turned, scored) < kWholeTurn) {
-        out.notes.push_back(fmt::format(
-            "rows {} to {}: run-in and run-out are scored too: without them less than one revolution is left",
-            s.row_of(one.first), s.row_of(one.last - 1)));
+      if (turn_of(on.turned, scored) < least) {
+        out.notes.push_back(
+            fmt::format("rows {} to {}: run-in and run-out are scored too: without them less than {} is left",
+                        s.row_of(one.first), s.row_of(one.last - 1), shorter));
         scored = one;
       }
       out.scored.push_back(time.empty() ? scored : settled(on.turned, scored));
@@ -377,7 +381,8 @@ void note_outliers(const CircleSamples& s, const CircleRun& run, std::vector<std
 
 double whole_laps(double arc) {
   constexpr double kAlmost = 0.02;  // of a lap
-  return kTurn * std::floor(arc / kTurn + kAlmost);
+  const double whole = kTurn * std::floor(arc / kTurn + kAlmost);
+  return whole > 0.0 ? whole : arc;
 }
 
 CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time, double radius) {
@@ -386,9 +391,23 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   out.commanded = !s.command_x.empty();
   const std::span<const double> guide_x = out.commanded ? s.command_x : s.x;
   const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
-  auto centre = centre_of(guide_x, guide_y, radius);
+  constexpr int kPasses = 3;
+  auto centre = centre_of(guide_x, guide_y, radius, kPasses);
   if (!centre) return out;
-  Found found = revolutions(s, time, out.commanded, *centre, radius);
+  double least = kWholeTurn;
+  Found found = revolutions(s, time, out.commanded, *centre, radius, least);
+  if (found.scored.empty()) {
+    // The middle of the box round an arc is far from its centre.
+    constexpr int kPassesOfArc = 30;
+    const auto of_arc = centre_of(guide_x, guide_y, radius, kPassesOfArc);
+    Found arcs = of_arc ? revolutions(s, time, out.commanded, *of_arc, radius, kLeastArc) : Found{};
+    if (!arcs.scored.empty()) {
+      out.arcs = true;
+      least = kLeastArc;
+      centre = of_arc;
+      found = std::move(arcs);
+    }
+  }
   // The approach moves the centre, which tells what belongs to the approach.
   constexpr int kMostPasses = 12;
   double guide_radius = radius;
@@ -398,7 +417,7 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
     centre = {guide.x, guide.y};
     guide_radius = guide.radius;
     if (std::hypot(centre->x - before.x, centre->y - before.y) <= 1e-9 * radius) break;
-    found = revolutions(s, time, out.commanded, *centre, radius);
+    found = revolutions(s, time, out.commanded, *centre, radius, least);
   }
   if (!out.commanded && !found.scored.empty()) {
     const LeastSquaresCircle own = circle_of_scored(s.x, s.y, found.turned, found.scored);

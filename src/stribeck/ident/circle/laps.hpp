@@ -37,17 +37,21 @@ struct CircleRun {
 };
 
 struct CircleMotion {
-  double radius = 0.0;  ///< intended [m]
+  AxisNames axes{"x", "y"};  ///< set by the caller
+  double radius = 0.0;       ///< intended [m]
   double centre_x = 0.0;
   double centre_y = 0.0;
-  bool commanded = false;       ///< the centre is that of the command
-  bool ball_bar = false;        ///< set by the caller: distances from the centre alone are measured
-  double longest_arc = 0.0;     ///< in one direction [rad]
-  std::vector<CircleRun> runs;  ///< of at least a revolution, in order of time
+  bool commanded = false;    ///< the centre is that of the command
+  bool arcs = false;         ///< no run is a whole revolution
+  bool ball_bar = false;     ///< set by the caller: distances from the centre alone are measured
+  double longest_arc = 0.0;  ///< in one direction [rad]
+  std::vector<CircleRun>
+      runs;  ///< of at least a revolution, or where there are none, of kLeastArc; in order of time
   std::vector<std::string> notes;
 };
 
-/// The whole laps of an arc, but for a fiftieth of a lap [rad]. A fit takes them alone: a part that is travelled twice would weigh double.
+/// The whole laps of an arc, but for a fiftieth of a lap; of less than a lap all of it [rad]. A fit takes them alone: a part that is
+/// travelled twice would weigh double.
 double whole_laps(double arc);
 
 /// `time` may be empty.

@@ -16,6 +16,7 @@ constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSector = 360 / kSectors;
 /// A radius that differs by more than this from the intended one belongs to another circle or another unit.
 constexpr double kRadius = 0.2;
+constexpr double kWholeTurn = 0.98 * 2.0 * kPi;
 
 struct CirclePoint {
   double x = 0.0;
@@ -99,18 +100,42 @@ Distances distances(std::span<const CirclePoint> points, const CirclePoint& cent
   return d;
 }
 
+/// Angles about a centre that go on from lap to lap within each part of the record; parts are put one behind the other.
+struct Turned {
+  std::vector<double> angle{0.0};  ///< from the first row [rad]
+  double arc = 0.0;                ///< the longest one between two turning points of a part
+  std::size_t from = 0;            ///< row at which that arc begins, counter-clockwise
+};
+
+Turned turned_about(const CircleSamples& s, std::span<const double> x, std::span<const double> y,
+                    const CirclePoint& c) {
+  Turned out;
+  const auto angle = [&](std::size_t i) { return std::atan2(y[i] - c.y, x[i] - c.x); };
+  std::size_t lowest = 0;
+  double most = 0.0;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    const bool other = !s.part.empty() && s.part[i] != s.part[i - 1];
+    const double step = other ? 0.0 : std::remainder(angle(i) - angle(i - 1), 2.0 * kPi);
+    out.angle.push_back(out.angle.back() + step);
+    if (other || out.angle[i] < out.angle[lowest]) lowest = i;
+    most = other ? out.angle[i] : std::max(most, out.angle[i]);
+    if (most - out.angle[lowest] <= out.arc) continue;
+    out.arc = most - out.angle[lowest];
+    out.from = lowest;
+  }
+  return out;
+}
+
 /// Of the rows up to the last whole lap: a part of a lap that is travelled twice would pull the centre to its side.
-LeastSquaresCircle circle_of_whole_laps(std::span<const double> x, std::span<const double> y) {
+LeastSquaresCircle circle_of_whole_laps(const CircleSamples& s, std::span<const double> x,
+                                        std::span<const double> y) {
   const LeastSquaresCircle all = least_squares_circle(x, y);
-  std::vector<double> turned{0.0};
-  const auto angle = [&](std::size_t i) { return std::atan2(y[i] - all.y, x[i] - all.x); };
-  for (std::size_t i = 1; i < x.size(); ++i)
-    turned.push_back(turned.back() + std::remainder(angle(i) - angle(i - 1), 2.0 * kPi));
-  const double whole = whole_laps(std::abs(turned.back()));
-  if (whole == 0.0) return all;
+  const Turned turned = turned_about(s, x, y, {all.x, all.y});
+  if (turned.arc < kWholeTurn) return all;
+  const double whole = whole_laps(std::abs(turned.angle.back()));
   std::size_t rows = 0;
-  while (rows < x.size() && std::abs(turned[rows]) <= whole) ++rows;
-  return least_squares_circle(x.first(rows), y.first(rows));
+  while (rows < x.size() && std::abs(turned.angle[rows]) <= whole) ++rows;
+  return rows < CircleTest::kFewest ? all : least_squares_circle(x.first(rows), y.first(rows));
 }
 
 }  // namespace
@@ -160,8 +185,8 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     throw std::invalid_argument("columns of different length");
   CircleTest t;
   t.radius = radius;
-  const LeastSquaresCircle fitted = circle_of_whole_laps(s.x, s.y);
-  const LeastSquaresCircle centre = commanded ? circle_of_whole_laps(s.command_x, s.command_y) : fitted;
+  const LeastSquaresCircle fitted = circle_of_whole_laps(s, s.x, s.y);
+  const LeastSquaresCircle centre = commanded ? circle_of_whole_laps(s, s.command_x, s.command_y) : fitted;
   t.centre_x = centre.x;
   t.centre_y = centre.y;
   // Of no use to say of another circle which way it turns.
@@ -169,9 +194,6 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     refuse("a circle with a radius of ", centre.radius * 1e3, " mm, expected ", radius * 1e3,
            " mm within a fifth");
 
-  double turned = 0.0;
-  double least_turned = 0.0;
-  double most_turned = 0.0;
   std::array<bool, kSectors> seen{};
   for (std::size_t i = 0; i < n; ++i) {
     const double x = s.x[i] - t.centre_x;
@@ -179,21 +201,23 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     const double angle = std::atan2(y, x);
     t.angle.push_back(angle < 0.0 ? angle + 2.0 * kPi : angle);
     t.error.push_back(std::hypot(x, y) - radius);
-    if (i > 0) turned += std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
-    least_turned = std::min(least_turned, turned);
-    most_turned = std::max(most_turned, turned);
     seen[std::min(static_cast<std::size_t>(t.angle[i] / (2.0 * kPi) * kSectors), kSectors - 1)] = true;
   }
-  t.counter_clockwise = turned > 0.0;
-  t.revolutions = std::abs(turned) / (2.0 * kPi);
-  constexpr double kWhole = 0.98 * 2.0 * kPi;
-  if (std::abs(turned) < kWhole && most_turned - least_turned >= kWhole)
+  const Turned turned = turned_about(s, s.x, s.y, {t.centre_x, t.centre_y});
+  const double all = std::abs(turned.angle.back());
+  t.counter_clockwise = turned.angle.back() > 0.0;
+  t.revolutions = all / (2.0 * kPi);
+  if (turned.arc < kLeastArc)
+    refuse("an arc of ", std::round(turned.arc * 180.0 / kPi), " deg, expected at least ",
+           std::round(kLeastArc * 180.0 / kPi), " deg, better a revolution");
+  if (all < std::min(turned.arc, kWholeTurn) - kSector * kPi / 180.0)
     refuse("both directions of travel, expected one");
-  if (std::abs(turned) < kWhole)
-    refuse("an arc of ", std::round((most_turned - least_turned) * 180.0 / kPi),
-           " deg, expected at least one revolution");
+  // A gap hides what is in it; an arc has one.
   for (std::size_t k = 0; k < kSectors; ++k) {
-    if (!seen[k])
+    const double from = static_cast<double>(k * kSector) * kPi / 180.0 - t.angle[turned.from];
+    const double behind = from - 2.0 * kPi * std::floor(from / (2.0 * kPi));
+    const bool travelled = turned.arc >= kWholeTurn || behind + kSector * kPi / 180.0 < turned.arc;
+    if (travelled && !seen[k])
       refuse("no sample from ", k * kSector, " to ", (k + 1) * kSector,
              " deg, expected some in every such sector");
   }

@@ -15,12 +15,20 @@
 /// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the travel is shorter than a revolution or
 /// has a sector of 10 degrees without samples, or the circle's radius differs from R by more than a fifth.
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace stribeck::ident::circle {
+
+/// An arc in one direction that can stand for a circle, such as the 220 degrees of a ball-bar in a plane with z [rad]. A shorter one
+/// does not tell its centre.
+inline constexpr double kLeastArc = 3.05;
+
+/// Names of the axes along θ = 0 and 90 degrees.
+using AxisNames = std::array<std::string, 2>;
 
 struct CircleTest {
   static constexpr std::size_t kFewest = 90;

@@ -107,8 +107,10 @@ std::string refusal(const Circle& c, double radius = 10e-3) {
 
 TEST(CircleTest, RefusesPartsOfACircleAndSaysWhich) {
   const auto none = [](double) { return 0.0; };
-  EXPECT_EQ(refusal(Circle(none, 1.0, 0.25)), "an arc of 90 deg, expected at least one revolution");
-  EXPECT_EQ(refusal(Circle(none, -1.0, 0.5)), "an arc of 180 deg, expected at least one revolution");
+  EXPECT_EQ(refusal(Circle(none, 1.0, 0.25)),
+            "an arc of 90 deg, expected at least 175 deg, better a revolution");
+  EXPECT_EQ(refusal(Circle(none, -1.0, 0.48)),
+            "an arc of 173 deg, expected at least 175 deg, better a revolution");
   Circle back(none);
   for (std::size_t i = back.x.size(); i-- > 0;) {
     back.x.push_back(back.x[i]);
@@ -126,6 +128,31 @@ TEST(CircleTest, RefusesPartsOfACircleAndSaysWhich) {
   EXPECT_EQ(refusal(small), "accepted");
   EXPECT_EQ(refusal(Circle(none), 20e-3), "a circle with a radius of 10 mm, expected 20 mm within a fifth");
   EXPECT_EQ(refusal(Circle(none), 11e-3), "accepted");
+}
+
+// Arcs of 220 degrees, there and there again: what is not travelled between them is no part of the circle.
+TEST(CircleTest, ArcsOneBehindTheOther) {
+  const auto oval = [](double phi) { return 4e-6 * std::cos(2.0 * phi); };
+  for (const double way : {1.0, -1.0}) {
+    const Circle arc(oval, way, 220.0 / 360.0);
+    Circle both = arc;
+    std::vector<int> part(arc.x.size(), 0);
+    part.resize(2 * arc.x.size(), 1);
+    both.x.insert(both.x.end(), arc.x.begin(), arc.x.end());
+    both.y.insert(both.y.end(), arc.y.begin(), arc.y.end());
+    both.cx.insert(both.cx.end(), arc.cx.begin(), arc.cx.end());
+    both.cy.insert(both.cy.end(), arc.cy.begin(), arc.cy.end());
+    const CircleTest t = circle_test({both.x, both.y, both.cx, both.cy, {}, part}, 10e-3, kGlitchTravel);
+    EXPECT_NEAR(t.max_error, 4e-6, 1e-10);
+    EXPECT_NEAR(t.revolutions, 440.0 / 360.0, 0.01);
+    EXPECT_EQ(t.counter_clockwise, way > 0.0);
+    // A gap within the arc may hide a quadrant.
+    Circle gap(oval, way, 220.0 / 360.0);
+    for (auto* column : {&gap.x, &gap.y, &gap.cx, &gap.cy})
+      column->erase(column->begin() + 800, column->begin() + 1000);
+    EXPECT_THAT([&] { static_cast<void>(gap.judged()); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("no sample from")));
+  }
 }
 
 // Independent reference: the six points of Gander, Golub and Strebel (doi:10.1007/BF01934268, section 3), four decimals printed;

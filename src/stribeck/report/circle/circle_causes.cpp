@@ -17,12 +17,6 @@ using ident::circle::CauseKind;
 using ident::circle::Diagnosis;
 using ident::circle::QuadrantPeak;
 
-std::string name_of(const Cause& c) {
-  std::string name(enum_name(c.kind));
-  if (c.axis) name += *c.axis == 0 ? " x" : " y";
-  return name;
-}
-
 std::string printed_figure(const Cause::Figure& f) {
   std::string text = fmt::format("{} {}", f.name, significant(f.value, 4));
   if (std::isfinite(f.half_width)) text += " ± " + significant(f.half_width, 2);
@@ -49,7 +43,7 @@ std::string largest(const Diagnosis& d) {
   std::vector<std::string> names;
   for (const Cause& c : d.causes) {
     if (!c.found || c.kind == CauseKind::kCentre || names.size() == 3) continue;
-    names.push_back(fmt::format("{} ({} µm)", name_of(c), micrometres(c.effect)));
+    names.push_back(fmt::format("{} ({} µm)", cause_name(d, c), micrometres(c.effect)));
   }
   return listed(names);
 }
@@ -65,12 +59,17 @@ Behind behind(double angle, const QuadrantPeak& p, double radius) {
   return {angle * 180.0 / kPi, radius * (1.0 - std::cos(angle)) * 1e3, 1e3 * angle * radius / p.feed};
 }
 
-std::string place_of(const QuadrantPeak& p) {
-  return fmt::format("{} {:.0f}° {}", p.axis == 0 ? "x" : "y", p.angle * 180.0 / kPi,
-                     p.counter_clockwise ? "ccw" : "cw");
+}  // namespace
+
+std::string cause_name(const Diagnosis& d, const Cause& c) {
+  std::string name(enum_name(c.kind));
+  if (c.axis) name += ' ' + d.axes[static_cast<std::size_t>(*c.axis)];
+  return name;
 }
 
-}  // namespace
+std::string peak_name(const Diagnosis& d, const QuadrantPeak& p) {
+  return fmt::format("{} {:.0f}°", d.axes[static_cast<std::size_t>(p.axis)], p.angle * 180.0 / kPi);
+}
 
 std::string next_step(const Diagnosis& d, const Cause& c) {
   const bool open = c.kind == CauseKind::kBacklash || c.kind == CauseKind::kSquareness ||
@@ -87,8 +86,9 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
   for (const Cause& c : d.causes) {
     if (!c.found) continue;
     std::size_t k = 0;
-    for (const std::string& entry : {name_of(c), micrometres(c.size), significant(c.half_width * kMicro, 2),
-                                     micrometres(c.effect), share_of(c), cured(c)})
+    for (const std::string& entry :
+         {cause_name(d, c), micrometres(c.size), significant(c.half_width * kMicro, 2), micrometres(c.effect),
+          share_of(c), cured(c)})
       columns[k++].entries.push_back(entry);
   }
   if (columns[0].entries.empty()) {
@@ -102,7 +102,7 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
       if (!c.found) continue;
       const auto words = words_of(c.kind);
       const std::string figures = printed_figures(c);
-      out += fmt::format("{}: {}{}. Next: {}.\n", name_of(c), words.meaning,
+      out += fmt::format("{}: {}{}. Next: {}.\n", cause_name(d, c), words.meaning,
                          figures.empty() ? "" : " (" + figures + ")", next_step(d, c));
     }
   }
@@ -130,7 +130,7 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
     if (!c.found) continue;
     const auto words = words_of(c.kind);
     table.rows.push_back(
-        {Cell{.text = name_of(c), .best = table.rows.empty()},
+        {Cell{.text = cause_name(d, c), .best = table.rows.empty()},
          Cell{.text = micrometres(c.size), .spread = "± " + significant(c.half_width * kMicro, 2)},
          Cell{.text = micrometres(c.effect)}, Cell{.text = share_of(c)}, Cell{.text = cured(c)},
          Cell{.text = printed_figures(c)},
@@ -152,7 +152,8 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
       const Behind width = behind(p.width, p, radius);
       const Behind delay = behind(p.delay, p, radius);
       peaks.rows.push_back(
-          {Cell{.text = place_of(p)}, Cell{.text = decimals(p.feed * 6e4, 0)},
+          {Cell{.text = peak_name(d, p) + (p.counter_clockwise ? " ccw" : " cw")},
+           Cell{.text = decimals(p.feed * 6e4, 0)},
            Cell{.text = micrometres(p.height), .spread = "± " + micrometres(p.half_width_95)},
            Cell{.text = decimals(width.degrees, 2)}, Cell{.text = decimals(p.width * radius * 1e3, 3)},
            Cell{.text = decimals(width.time_ms, 1)}, Cell{.text = decimals(delay.degrees, 2)},
@@ -173,7 +174,7 @@ nlohmann::ordered_json causes_json(const Diagnosis& d, double radius) {
   for (const Cause& c : d.causes) {
     const auto words = words_of(c.kind);
     io::Json one{{"cause", enum_name(c.kind)},
-                 {"axis", c.axis ? io::Json(*c.axis == 0 ? "x" : "y") : io::Json(nullptr)},
+                 {"axis", c.axis ? io::Json(d.axes[static_cast<std::size_t>(*c.axis)]) : io::Json(nullptr)},
                  {"found", c.found},
                  {"rank", c.found ? io::Json(++place) : io::Json(nullptr)},
                  {"size_um", io::number_or_null(c.size * kMicro)},
@@ -197,7 +198,7 @@ nlohmann::ordered_json causes_json(const Diagnosis& d, double radius) {
   for (const QuadrantPeak& p : d.peaks) {
     const Behind width = behind(p.width, p, radius);
     const Behind delay = behind(p.delay, p, radius);
-    out["peaks"].push_back({{"axis", p.axis == 0 ? "x" : "y"},
+    out["peaks"].push_back({{"axis", d.axes[static_cast<std::size_t>(p.axis)]},
                             {"direction", p.counter_clockwise ? "counter-clockwise" : "clockwise"},
                             {"angle_deg", io::number_or_null(p.angle * 180.0 / kPi)},
                             {"feed_mm_per_min", io::number_or_null(p.feed * 6e4)},

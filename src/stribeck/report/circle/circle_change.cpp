@@ -85,9 +85,8 @@ void add_peak_changes(std::vector<CircleChange>& out, const CircleLog& before, c
           std::abs(a.height) < kClear * a.half_width_95 && std::abs(b.height) < kClear * b.half_width_95;
       if (none) continue;
       const double of_laps = half_width_of(lap_mean_of(a), lap_mean_of(b));
-      out.push_back({fmt::format("peak {} {:.0f}°", a.axis == 0 ? "x" : "y", a.angle * 180.0 / kPi),
-                     short_direction(a.counter_clockwise), a.height, b.height,
-                     std::hypot(a.half_width_95, b.half_width_95, of_laps)});
+      out.push_back({"peak " + peak_name(*before.diagnosis, a), short_direction(a.counter_clockwise),
+                     a.height, b.height, std::hypot(a.half_width_95, b.half_width_95, of_laps)});
     }
   }
 }
@@ -150,10 +149,16 @@ double limited_figure(const CircleLog& log, std::string_view figure) {
 std::vector<CircleVerdict> circle_verdicts(const CircleReportInput& input) {
   std::vector<CircleVerdict> out;
   for (const CircleLog& log : input.logs) {
+    const bool before = input.logs.size() > 1 && !input.together && &log == &input.logs.front();
     for (const CircleLimit& limit : input.limits)
-      out.push_back({log.label, limit.figure, limited_figure(log, limit.figure), limit.most});
+      out.push_back({log.label, limit.figure, limited_figure(log, limit.figure), limit.most, before});
   }
   return out;
+}
+
+bool within_limits(const CircleReportInput& input) {
+  const std::vector<CircleVerdict> all = circle_verdicts(input);
+  return std::all_of(all.begin(), all.end(), [](const CircleVerdict& v) { return v.before || v.passed(); });
 }
 
 std::string changes_text(const CircleReportInput& input) {
@@ -227,8 +232,12 @@ std::string limits_text(const CircleReportInput& input) {
   std::string out;
   for (const CircleVerdict& v : circle_verdicts(input)) {
     out += fmt::format(
-        "{}: {} {} of {}, limit {} µm\n", v.passed() ? "passed" : "FAILED", clean_text(v.label), v.figure,
-        std::isfinite(v.value) ? micrometres(v.value) + " µm" : "not measured", micrometres(v.most));
+        "{}: {} {} of {}, limit {} µm{}\n",
+        v.passed() ? "passed"
+        : v.before ? "above"
+                   : "FAILED",
+        clean_text(v.label), v.figure, std::isfinite(v.value) ? micrometres(v.value) + " µm" : "not measured",
+        micrometres(v.most), v.before ? " (the others are compared with it: it does not decide)" : "");
   }
   return out;
 }
@@ -243,13 +252,15 @@ void add_limits(Page& page, const CircleReportInput& input) {
   for (const CircleVerdict& v : all)
     table.rows.push_back({Cell{.text = v.label}, Cell{.text = v.figure}, Cell{.text = micrometres(v.value)},
                           Cell{.text = micrometres(v.most)},
-                          Cell{.text = v.passed()               ? "passed"
-                                       : std::isfinite(v.value) ? "failed"
-                                                                : "not measured",
-                               .best = !v.passed()}});
+                          Cell{.text = v.passed()                ? "passed"
+                                       : !std::isfinite(v.value) ? "not measured"
+                                       : v.before                ? "above, before"
+                                                                 : "failed",
+                               .best = !v.passed() && !v.before}});
   page.table(table);
   page.remark(
-      "The larger one of both directions counts, without its sign. What was not measured has not passed.");
+      "The larger one of both directions counts, without its sign. What was not measured has not passed. Of several logs the first is "
+      "the one that the others are compared with: it does not decide.");
 }
 
 nlohmann::ordered_json limits_json(const CircleReportInput& input) {
@@ -259,7 +270,8 @@ nlohmann::ordered_json limits_json(const CircleReportInput& input) {
                    {"figure", v.figure},
                    {"value_um", io::number_or_null(v.value * kMicro)},
                    {"limit_um", io::number_or_null(v.most * kMicro)},
-                   {"passed", v.passed()}});
+                   {"passed", v.passed()},
+                   {"decides", !v.before}});
   return out;
 }
 

@@ -40,10 +40,14 @@ struct CircleVerdict {
   std::string figure;
   double value = 0.0;  ///< NaN: not measured
   double most = 0.0;
+  bool before =
+      false;  ///< of the first of several logs, with which the others are compared: it does not decide
 
   [[nodiscard]] bool passed() const { return value <= most; }  // what was not measured has not passed
 };
 std::vector<CircleVerdict> circle_verdicts(const CircleReportInput& input);
+/// Whether all figures that decide have passed.
+bool within_limits(const CircleReportInput& input);
 
 /// Parts of the text, the page and the JSON.
 std::string changes_text(const CircleReportInput& input);

@@ -106,12 +106,26 @@ TEST(CircleLimits, JudgeEveryFigureOfEveryLog) {
   std::vector<bool> passed;
   for (const CircleVerdict& v : circle_verdicts(input)) passed.push_back(v.passed());
   EXPECT_EQ(passed, (std::vector<bool>{false, true, false, false, true, true, false, false}));
-  EXPECT_THAT(limits_text(input), HasSubstr("FAILED: before G of 11.00 µm, limit 5.00 µm\n"));
+  EXPECT_THAT(limits_text(input),
+              HasSubstr("above: before G of 11.00 µm, limit 5.00 µm (the others are compared"));
   EXPECT_THAT(limits_text(input), HasSubstr("FAILED: after G(b) of not measured, limit 9.00 µm\n"));
   EXPECT_TRUE(limits_json(input)[3]["value_um"].is_null());
   const std::string page = circle_report(input);
-  EXPECT_THAT(page, HasSubstr("Failed: 5 of 8 figures are beyond their limits or not measured."));
+  EXPECT_THAT(page, HasSubstr("Failed: 2 of 4 figures are beyond their limits or not measured."));
   EXPECT_THAT(page, HasSubstr("Change from before to after</h2>"));
+  // What was there before does not decide; measurements of one machine all do, and a single one.
+  EXPECT_FALSE(within_limits(input));
+  input.limits = {{"G", 5e-6}};
+  EXPECT_TRUE(within_limits(input));
+  input.together.emplace();
+  EXPECT_FALSE(within_limits(input));
+  input.together.reset();
+  std::swap(input.logs[0], input.logs[1]);
+  EXPECT_FALSE(within_limits(input));
+  input.logs.pop_back();
+  EXPECT_TRUE(within_limits(input));
+  input.logs = {log_of("before", {10, 11})};
+  EXPECT_FALSE(within_limits(input));
   for (const std::string& figure : limited_figures()) {
     const double value = limited_figure(input.logs[0], figure);
     EXPECT_EQ(std::isfinite(value), figure != "G(b)" && figure != "H") << figure;

@@ -41,7 +41,7 @@ struct Magnifier {
     }
     return s;
   }
-  void grid(Plot& plot) const {
+  void grid(Plot& plot, const ident::circle::AxisNames& axes) const {
     std::vector<double> angle;
     for (int i = 0; i <= 240; ++i) angle.push_back(2.0 * kPi * i / 240);
     for (const double e : {-ring, 0.0, ring}) {
@@ -56,18 +56,18 @@ struct Magnifier {
     plot.equal_aspect = true;
     plot.x_range = Range{-1.75, 1.75};
     plot.y_range = Range{-1.75, 1.75};
-    axes_and_quadrants(plot);
+    axes_and_quadrants(plot, axes);
     scale_bar(plot);
   }
   /// Where the axes of the machine reverse, with the numbers of the quadrants between them.
-  static void axes_and_quadrants(Plot& plot) {
+  static void axes_and_quadrants(Plot& plot, const ident::circle::AxisNames& axes) {
     constexpr double kEnd = 1.55;
     plot.series.push_back(
         {.x = {-kEnd, kEnd}, .y = {0.0, 0.0}, .color = "#dadce0", .width = 0.8, .scale = ScaleLine::kFixed});
     plot.series.push_back(
         {.x = {0.0, 0.0}, .y = {-kEnd, kEnd}, .color = "#dadce0", .width = 0.8, .scale = ScaleLine::kFixed});
-    plot.notes.push_back({kEnd + 0.1, 0.0, "x+", "#5f6368"});
-    plot.notes.push_back({0.0, kEnd + 0.1, "y+", "#5f6368"});
+    plot.notes.push_back({kEnd + 0.1, 0.0, axes[0] + '+', "#5f6368"});
+    plot.notes.push_back({0.0, kEnd + 0.1, axes[1] + '+', "#5f6368"});
     constexpr double kBetween = 0.42;
     plot.notes.push_back({kBetween, kBetween, "I", "#80868b"});
     plot.notes.push_back({-kBetween, kBetween, "II", "#80868b"});
@@ -122,7 +122,8 @@ struct Magnifier {
   }
 };
 
-/// The samples in order of time, thinned for a drawing; the angle goes on from revolution to revolution [rad].
+/// The samples in order of time, thinned for a drawing; the angle goes on from revolution to revolution [rad]. NaN: the part of the
+/// circle that an arc leaves out.
 struct Drawn {
   std::vector<double> angle;
   std::vector<double> error;
@@ -130,13 +131,19 @@ struct Drawn {
 
 Drawn drawn(const ident::circle::CircleTest& t) {
   constexpr int kPerRevolution = 500;
+  constexpr double kMissing = 30.0 * kPi / 180.0;
   const double way = t.counter_clockwise ? 1.0 : -1.0;
   Drawn d;
   double turned = 0.0;    // against the direction of travel it may step back by noise
   double farthest = 0.0;  // for a drawing it must not
   for (std::size_t i = 0; i < t.angle.size(); ++i) {
-    turned =
-        i == 0 ? way * t.angle[0] : turned + way * std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
+    double step = i == 0 ? way * t.angle[0] : way * std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
+    if (i > 0 && std::abs(step) > kMissing) {
+      if (step < 0.0) step += 2.0 * kPi;
+      d.angle.push_back(std::numeric_limits<double>::quiet_NaN());
+      d.error.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    turned += step;
     farthest = i == 0 ? turned : std::fmax(farthest, turned);
     d.angle.push_back(farthest);
     d.error.push_back(t.error[i]);
@@ -167,8 +174,8 @@ std::string picture_words(const CircleReportInput& input, std::size_t c) {
   for (const CircleLog& log : input.logs) most = std::max(most, log.circles[c].max_error);
   return fmt::format(
       "Radial error magnified around the circle (thin line), all laps; outwards: radius too large. Dashed: {} µm to both sides. "
-      "Good is a narrow ring without steps where an axis reverses (at x+, y+ and opposite); a step there is friction or play.{}",
-      short_number(Magnifier(most).ring * kMicro),
+      "Good is a narrow ring without steps where an axis reverses (at {}+, {}+ and opposite); a step there is friction or play.{}",
+      short_number(Magnifier(most).ring * kMicro), input.logs.front().axes[0], input.logs.front().axes[1],
       input.logs.size() == 1 ? " Numbers: heights of the quadrant peaks [µm]." : "");
 }
 
@@ -184,7 +191,7 @@ Plot overlaid(const CircleReportInput& input, std::size_t c) {
             .legend = Legend::kAbove,
             .width = 620,
             .height = 660};
-  common.grid(over);
+  common.grid(over, input.logs.front().axes);
   Magnifier::direction(over, counter_clockwise);
   for (std::size_t i = 0; i < input.logs.size(); ++i) {
     const CircleLog& log = input.logs[i];
@@ -212,7 +219,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
     along.series.push_back(std::move(s));
     const Magnifier magnifier(t.max_error);
     Plot p{.title = log.label, .legend = Legend::kNone, .width = 350, .height = 370};
-    magnifier.grid(p);
+    magnifier.grid(p, log.axes);
     Magnifier::direction(p, t.counter_clockwise);
     magnifier.peaks(p, log, t.counter_clockwise, "#202124");
     p.series.push_back(magnifier.around(d.angle, d.error, "", color, 1.4));
@@ -265,9 +272,14 @@ std::string whose_causes(const CircleReportInput& input) {
          (input.together ? std::string("all logs together, at the fastest feed") : input.logs.back().label);
 }
 
+/// That of all logs together, or of this one; null: there is none.
+const ident::circle::Diagnosis* diagnosis_of(const CircleReportInput& input, const CircleLog& log) {
+  return input.together ? &*input.together : log.diagnosis ? &*log.diagnosis : nullptr;
+}
+
 /// The largest cause that is no set-up, or null.
 const ident::circle::Cause* main_cause(const CircleReportInput& input, const CircleLog& log) {
-  const auto* diagnosis = input.together ? &*input.together : log.diagnosis ? &*log.diagnosis : nullptr;
+  const auto* diagnosis = diagnosis_of(input, log);
   if (diagnosis == nullptr) return nullptr;
   for (const ident::circle::Cause& cause : diagnosis->causes) {
     if (cause.found && cause.kind != ident::circle::CauseKind::kCentre) return &cause;
@@ -275,18 +287,13 @@ const ident::circle::Cause* main_cause(const CircleReportInput& input, const Cir
   return nullptr;
 }
 
-std::string cause_name(const ident::circle::Cause& cause) {
-  std::string name(enum_name(cause.kind));
-  if (cause.axis) name += *cause.axis == 0 ? " x" : " y";
-  return name;
-}
-
 /// The result in two sentences: how round, and what to do.
 std::string answer(const CircleReportInput& input) {
   const CircleLog& first = input.logs.front();
   const CircleLog& last = input.logs.back();
   std::string text;
-  const std::vector<CircleVerdict> verdicts = circle_verdicts(input);
+  std::vector<CircleVerdict> verdicts = circle_verdicts(input);
+  std::erase_if(verdicts, [](const CircleVerdict& v) { return v.before; });
   if (!verdicts.empty()) {
     const auto failed =
         std::count_if(verdicts.begin(), verdicts.end(), [](const auto& v) { return !v.passed(); });
@@ -297,7 +304,8 @@ std::string answer(const CircleReportInput& input) {
   const std::string radius = short_number(input.radius * 1e3);
   if (input.logs.size() == 1) {
     text += fmt::format(
-        "The circle of {} mm deviates by G = {} µm from round; its largest radial error is {} µm.", radius,
+        "The circle of {} mm{} deviates by G = {} µm from round; its largest radial error is {} µm.", radius,
+        std::isfinite(last.feed) ? fmt::format(" at {} mm/min", significant(last.feed * 60e3, 4)) : "",
         micrometres(limited_figure(last, "G")), micrometres(limited_figure(last, "max")));
   } else if (input.logs.size() == 2 && !input.together) {
     text += fmt::format(
@@ -324,8 +332,8 @@ std::string answer(const CircleReportInput& input) {
   }
   if (const auto* cause = main_cause(input, last)) {
     text += fmt::format(" The largest cause{} is {} (effect {} µm): {}.", whose_causes(input),
-                        cause_name(*cause), micrometres(cause->effect),
-                        next_step(input.together ? *input.together : *last.diagnosis, *cause));
+                        cause_name(*diagnosis_of(input, last), *cause), micrometres(cause->effect),
+                        next_step(*diagnosis_of(input, last), *cause));
   } else if (last.diagnosis || input.together) {
     text += " No cause stands out of the scatter: leave it as it is.";
   }
@@ -339,8 +347,9 @@ std::vector<KeyNumber> key_numbers(const CircleReportInput& input) {
       {"circular deviation G" + of, micrometres(limited_figure(last, "G")), "µm"},
       {"largest radial error" + of, micrometres(limited_figure(last, "max")), "µm"}};
   if (const auto* cause = main_cause(input, last))
-    numbers.push_back({"largest cause" + whose_causes(input) + ": " + cause_name(*cause),
-                       micrometres(cause->effect), "µm"});
+    numbers.push_back(
+        {"largest cause" + whose_causes(input) + ": " + cause_name(*diagnosis_of(input, last), *cause),
+         micrometres(cause->effect), "µm"});
   return numbers;
 }
 

@@ -21,6 +21,11 @@ std::string circular_test_text(const CircleReportInput& input);
 void add_circular_test(Page& page, const CircleReportInput& input);
 nlohmann::ordered_json circular_test_json(const ident::circle::CircularTest& test);
 
+/// "backlash x"
+std::string cause_name(const ident::circle::Diagnosis& diagnosis, const ident::circle::Cause& cause);
+/// "x 90°"
+std::string peak_name(const ident::circle::Diagnosis& diagnosis, const ident::circle::QuadrantPeak& peak);
+
 /// The next step for a cause. What one direction alone does not tell for sure is not to be set right by it.
 std::string next_step(const ident::circle::Diagnosis& diagnosis, const ident::circle::Cause& cause);
 

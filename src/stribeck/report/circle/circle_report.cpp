@@ -43,6 +43,13 @@ std::string text_table(const CircleReportInput& input) {
   std::vector<TextColumn> columns;
   for (const CircleLog& log : input.logs) label.entries.push_back(clean_text(log.label));
   columns.push_back(label);
+  if (std::any_of(input.logs.begin(), input.logs.end(),
+                  [](const CircleLog& log) { return std::isfinite(log.feed); })) {
+    TextColumn feed{"feed", "mm/min", {}};
+    for (const CircleLog& log : input.logs)
+      feed.entries.push_back(std::isfinite(log.feed) ? significant(log.feed * 60e3, 4) : "–");
+    columns.push_back(feed);
+  }
   for (std::size_t c = 0; c < input.logs.front().circles.size(); ++c) {
     const std::string group = direction(input.logs.front().circles[c]);
     TextColumn max{"max", "µm", {}, true, group};
@@ -61,7 +68,8 @@ std::string text_table(const CircleReportInput& input) {
     for (const CircleLog& log : input.logs) column.entries.push_back(clean_text(log.beside[b]));
     columns.push_back(column);
   }
-  std::string text = lay_out(columns) + "\n" + circular_test_text(input);
+  std::string text = fmt::format("Circles of radius {} mm.\n", short_number(input.radius * 1e3)) +
+                     lay_out(columns) + "\n" + circular_test_text(input);
   text += "\n";
   if (input.together) text += causes_text("all logs together", *input.together);
   for (const CircleLog& log : input.logs) {
@@ -96,6 +104,7 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
            {"rms_um", io::number_or_null(t.rms * kMicro)},
            {"circular_deviation_um", io::number_or_null(t.circular_deviation * kMicro)}});
     }
+    one["feed_mm_per_s"] = io::number_or_null(log.feed * 1e3);
     one["notes"] = log.notes;
     one["circular_test"] = log.test ? circular_test_json(*log.test) : Json(nullptr);
     one["diagnosis"] = log.diagnosis ? causes_json(*log.diagnosis, input.radius) : Json(nullptr);

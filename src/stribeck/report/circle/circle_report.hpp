@@ -11,6 +11,7 @@
 ///
 /// Real time: no. Errors: io::InputError of files and of gnuplot.
 
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stribeck/ident/circle/causes.hpp>
@@ -25,11 +26,14 @@ namespace stribeck::report {
 struct CircleLog {
   std::string label;
   std::string file;
+  ident::circle::AxisNames axes{"x", "y"};
   std::vector<ident::circle::CircleTest> circles;        ///< the same number for every log
   std::optional<ident::circle::CircularTest> test = {};  ///< of all of them; absent: at different places
   std::optional<ident::circle::Diagnosis> diagnosis =
-      {};                                ///< absent: not enough rows, or of all logs together
-  std::vector<std::string> beside = {};  ///< entries of further columns of its row
+      {};  ///< absent: not enough rows, or of all logs together
+  double feed =
+      std::numeric_limits<double>::quiet_NaN();  ///< mean over its circles [m/s]; NaN: the log has no times
+  std::vector<std::string> beside = {};          ///< entries of further columns of its row
   std::vector<std::string> notes = {};
 };
 

@@ -39,6 +39,7 @@ void CircleTrack::append(const CircleTrack& from, std::size_t at) {
 
 CircleTrack CircleTrack::empty_copy() const {
   CircleTrack copy;
+  copy.axes = axes;
   copy.ball_bar = ball_bar;
   copy.feed = feed;
   return copy;
@@ -221,31 +222,68 @@ bool belongs(const std::vector<double>& commanded, const std::vector<double>& me
 /// which is noted.
 std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack& measured,
                                           std::vector<std::string>& notes) {
-  const auto rx = commanded_column(log, "x"), ry = commanded_column(log, "y");
+  const auto rx = commanded_column(log, measured.axes[0]), ry = commanded_column(log, measured.axes[1]);
   if (!rx || !ry) return {};
   Positions found{positions(log, *rx), positions(log, *ry)};
   if (belongs(found.first, measured.x) && belongs(found.second, measured.y)) return found;
   notes.push_back(fmt::format(
-      "{} and {} are not the commanded positions of x and y: they differ by more than a fifth of the travel; the centre is that of "
+      "{} and {} are not the commanded positions of {} and {}: they differ by more than a fifth of the travel; the centre is that of "
       "the measured circle (where they are, give --map rx=\"{} mm\" --map ry=\"{} mm\", with your columns and units)",
-      io::in_quotes(header_of(*rx->column)), io::in_quotes(header_of(*ry->column)), rx->column->name,
-      ry->column->name));
+      io::in_quotes(header_of(*rx->column)), io::in_quotes(header_of(*ry->column)), measured.axes[0],
+      measured.axes[1], rx->column->name, ry->column->name));
   return {};
 }
 
-/// Words name the axes x and y, whatever they are on the machine.
-void note_other_axes(const CircleMap& map, std::vector<std::string>& notes) {
-  for (const std::string axis : {"x", "y"}) {
+/// Travel of an axis in all rows; NaN: the log has no position of it.
+double travel_of(const io::Log& log, const std::string& axis) {
+  try {
+    const std::vector<double> all = positions(log, position_column(log, axis));
+    if (all.empty()) return std::nan("");
+    const auto [low, high] = std::minmax_element(all.begin(), all.end());
+    return *high - *low;
+  } catch (const io::InputError&) {
+    return std::nan("");
+  }
+}
+
+/// The axis that --map names by its column; empty: it does not say.
+std::string axis_in(const std::string& column) {
+  std::string found;
+  for (const std::string& word : words_of_name(column)) {
+    if (word != "x" && word != "y" && word != "z") continue;
+    if (!found.empty() && found != word) return {};
+    found = word;
+  }
+  return found;
+}
+
+/// The axes of the circle: those that --map names, else the two of x, y and z that move.
+ident::circle::AxisNames axes_of_circle(const io::Log& log, const CircleMap& map) {
+  constexpr double kStill = 0.01;  // of the travel of the others
+  ident::circle::AxisNames axes{"x", "y"};
+  bool named = false;
+  for (std::string& axis : axes) {
     const auto given = map.find(axis);
     if (given == map.end()) continue;
-    const std::vector<std::string> words = words_of_name(given->second);
-    const bool other = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-      return word != axis && (word == "x" || word == "y" || word == "z");
-    });
-    if (other)
-      notes.push_back(fmt::format("{} stands for column {}: a cause of {} is one of that axis", axis,
-                                  io::in_quotes(given->second), axis));
+    named = true;
+    if (const std::string own = axis_in(given->second); !own.empty()) axis = own;
   }
+  if (named) return axes[0] == axes[1] ? ident::circle::AxisNames{"x", "y"} : axes;
+  const double x = travel_of(log, "x"), y = travel_of(log, "y"), z = travel_of(log, "z");
+  if (!std::isfinite(z)) return axes;
+  if (std::isfinite(x) && !(y > kStill * std::min(x, z))) return {"x", "z"};
+  if (std::isfinite(y) && !(x > kStill * std::min(y, z))) return {"y", "z"};
+  return axes;
+}
+
+/// Which way round is counter-clockwise in the plane of a G-code program.
+std::string plane_words(const ident::circle::AxisNames& axes) {
+  const std::string which = axes[0] + axes[1];
+  return fmt::format("the circle is one of {0} and {1}: counter-clockwise goes from {0}+ to {1}+{2}", axes[0],
+                     axes[1],
+                     which == "xz"   ? ", which is G2 in the plane G18"
+                     : which == "yz" ? ", which is G3 in the plane G19"
+                                     : "");
 }
 
 }  // namespace
@@ -264,13 +302,14 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
     return all;
   };
   CircleTrack t;
-  const auto position = [&](const std::string& axis) {
-    const auto given = map.find(axis);
+  t.axes = axes_of_circle(log, map);
+  const auto position = [&](const std::string& key, const std::string& axis) {
+    const auto given = map.find(key);
     return values(given == map.end() ? position_column(log, axis) : named_column(log, given->second));
   };
-  t.x = position("x");
-  t.y = position("y");
-  note_other_axes(map, t.notes);
+  t.x = position("x", t.axes[0]);
+  t.y = position("y", t.axes[1]);
+  if (t.axes != CircleTrack().axes) t.notes.push_back(plane_words(t.axes));
   if (map.count("rx") > 0) {
     t.rx = values(named_column(log, map.at("rx")));
     t.ry = values(named_column(log, map.at("ry")));

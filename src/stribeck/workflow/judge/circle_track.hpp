@@ -14,7 +14,8 @@
 namespace stribeck::workflow {
 
 struct CircleTrack {
-  std::vector<double> x;  ///< [m]
+  ident::circle::AxisNames axes{"x", "y"};  ///< those that `x` and `y` hold
+  std::vector<double> x;                    ///< [m]
   std::vector<double> y;
   std::vector<double> rx;  ///< empty: no command
   std::vector<double> ry;

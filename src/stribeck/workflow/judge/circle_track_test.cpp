@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/judge/circle_track.hpp>
+#include <string>
+
+namespace stribeck::workflow::circle_track_test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Two laps of 20 mm in the plane of the columns of `circle`; the third axis stands, but for its noise.
+io::Log log_of(const std::string& circle, const std::string& header = "t [s],x [mm],y [mm],z [mm]") {
+  std::string text = header + "\n";
+  for (int k = 0; k <= 720; ++k) {
+    const double angle = 2.0 * kPi * k / 360.0;
+    const double still = 35.0 + 0.001 * (k % 2);
+    const auto place = [&](char axis) {
+      return axis == circle[0]   ? 20.0 * std::cos(angle)
+             : axis == circle[1] ? -80.0 + 20.0 * std::sin(angle)
+                                 : still;
+    };
+    text += fmt::format("{},{},{},{}\n", 0.01 * k, place('x'), place('y'), place('z'));
+  }
+  return io::parse_log(text, "circle.csv");
+}
+
+TEST(CircleTrack, IsThatOfTheTwoAxesThatMove) {
+  const CircleTrack xy = circle_track(log_of("xy"), {}, 20e-3);
+  EXPECT_EQ(xy.axes, (ident::circle::AxisNames{"x", "y"}));
+  EXPECT_THAT(xy.notes, IsEmpty());
+  const CircleTrack xz = circle_track(log_of("xz"), {}, 20e-3);
+  EXPECT_EQ(xz.axes, (ident::circle::AxisNames{"x", "z"}));
+  EXPECT_NEAR(xz.y[90], -60e-3, 1e-12);
+  EXPECT_THAT(xz.notes, Contains(AllOf(HasSubstr("counter-clockwise goes from x+ to z+"),
+                                       HasSubstr("G2 in the plane G18"))));
+  const CircleTrack yz = circle_track(log_of("yz"), {}, 20e-3);
+  EXPECT_EQ(yz.axes, (ident::circle::AxisNames{"y", "z"}));
+  EXPECT_NEAR(yz.x[0], 20e-3, 1e-12);
+  EXPECT_EQ(yz.empty_copy().axes, yz.axes);
+}
+
+TEST(CircleTrack, HasTheNamesOfTheColumnsThatAreMapped) {
+  const io::Log log = log_of("xz", "t [s],x [mm],q [mm],Z position [mm]");
+  const CircleTrack mapped = circle_track(log, {{"y", "Z position mm"}}, 20e-3);
+  EXPECT_EQ(mapped.axes, (ident::circle::AxisNames{"x", "z"}));
+  // A name that says nothing stands for what it is mapped to.
+  EXPECT_EQ(circle_track(log, {{"y", "q mm"}}, 20e-3).axes, (ident::circle::AxisNames{"x", "y"}));
+  // Without --map the position of z is found by its name too.
+  EXPECT_EQ(circle_track(log, {}, 20e-3).axes, (ident::circle::AxisNames{"x", "z"}));
+}
+
+}  // namespace
+}  // namespace stribeck::workflow::circle_track_test
