@@ -6,6 +6,7 @@
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/frequency/response.hpp>
 #include <stribeck/ident/frequency/stretches.hpp>
+#include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
@@ -239,12 +240,27 @@ Table transform(const Plan& plan, const std::vector<std::size_t>& bins, bool str
   return table;
 }
 
-/// Leaves the harmonics that the excitation has.
-void keep_excited(std::vector<std::size_t>& bins, Table& table, bool closed) {
+/// Power that the rounding of a periodic z has in a harmonic, over all segments: q²/12 in each row. It repeats with z, so that no scatter
+/// from period to period tells it from an excitation.
+double rounding_power(const Plan& plan) {
+  constexpr double kHann = 3.0 / 8.0;   // mean square of the window
+  constexpr double kOnHarmonics = 2.0;  // of two lines of a segment of two periods one is a harmonic
+  double power = 0.0;
+  for (const Part& part : plan.parts) {
+    const double q = log::quantum(*part.source.z);
+    power += static_cast<double>(part.segments.size()) * q * q / 12.0;
+  }
+  return kOnHarmonics * kHann * static_cast<double>(plan.window) * power;
+}
+
+/// Leaves the harmonics that the excitation has; `rounding` is rounding_power().
+void keep_excited(std::vector<std::size_t>& bins, Table& table, bool closed, double rounding) {
+  constexpr double kAboveRounding = 20.0;
   std::vector<double> power;
   for (std::size_t i = 0; i < bins.size(); ++i) {
     double sum = 0.0;
     for (const Sums& s : table[i]) sum += s.zz;
+    if (!(sum >= kAboveRounding * rounding)) sum = 0.0;
     // A reference counts by its acceleration, which falls less over frequency than its position.
     const auto b = static_cast<double>(bins[i]);
     power.push_back(closed ? sum * b * b * b * b : sum);
@@ -389,7 +405,7 @@ Response estimate(const std::vector<log::Record>& records, const ResponseOptions
   measure_speed(out, plan);
   std::vector<std::size_t> bins = bins_of(plan);
   Table table = transform(plan, bins, by_stretch);
-  if (plan.repeat > 0) keep_excited(bins, table, out.closed_loop);
+  if (plan.repeat > 0) keep_excited(bins, table, out.closed_loop, rounding_power(plan));
   fill_lines(out, bins, table, plan, !by_stretch);
   refuse_quiet(records, out);
   return out;

@@ -99,6 +99,24 @@ TEST(Response, IsNotBiasedByTheClosedLoopAsThePlainRatioIs) {
   EXPECT_TRUE(within(fit_plant(response).mass, 1000.0));
 }
 
+// Set-points with four or five decimals of a millimetre, as controls log them: their rounding is periodic too, and was taken for an
+// excitation up to the highest frequency, with a mass of a half.
+TEST(Response, TheRoundingOfTheReferenceIsNoExcitation) {
+  TwoMass p;
+  p.table = 0.0;
+  p.noise = 20.0;
+  const log::Record exact = recorded(p, short_multisine(p.period), 3);
+  const Response all = estimate({exact});
+  for (const double step : {1e-8, 1e-7, 1e-6}) {
+    log::Record record = exact;
+    for (double& r : record.r) r = step * std::round(r / step);
+    const Response response = estimate({record});
+    EXPECT_LE(response.lines.size(), all.lines.size()) << step;
+    EXPECT_GE(response.lines.size(), 10U) << step;
+    EXPECT_NEAR(fit_plant(response).mass.value, p.mass(), 0.02 * p.mass()) << step;
+  }
+}
+
 TEST(Response, IsTheSameForMirroredMotionAndScaledForce) {
   TwoMass p;
   p.noise = 20.0;

@@ -159,8 +159,13 @@ Table plant_table(const FrequencyAxis& a) {
                       {decimals(v.low() * scale, digits) + " … " + decimals(v.high() * scale, digits)},
                       {printed_unit(unit)}});
   };
-  row("mass", a.fit.mass, 1.0, a.units.named("kg"));
-  row("slope of friction", a.fit.viscous, 1e-3, a.units.named("N s/mm"));
+  if (a.units.in_degrees()) {
+    row("inertia", a.fit.mass, 1.0, "kg m2");
+    row("slope of friction", a.fit.viscous, 1.0, "N m s/rad");
+  } else {
+    row("mass", a.fit.mass, 1.0, a.units.named("kg"));
+    row("slope of friction", a.fit.viscous, 1e-3, a.units.named("N s/mm"));
+  }
   row("delay beyond the hold", a.fit.delay, 1e3, "ms");
   if (a.fit.antiresonance) row("anti-resonance", *a.fit.antiresonance, 1.0 / kPerTurn, "Hz");
   if (a.fit.resonance) row("resonance", *a.fit.resonance, 1.0 / kPerTurn, "Hz");
@@ -306,7 +311,7 @@ nlohmann::ordered_json to_json(const FrequencyReportInput& input) {
         {"rows_settling", r.rows_settling},
         {"speed_mm_per_s", r.speed * 1e3},
         {"slowest_mm_per_s", r.slowest * 1e3},
-        {"force_unit", a.units.force},
+        {"force_unit", a.units.in_degrees() ? "N" : a.units.force},
         {"structure", enum_name(a.fit.plant.structure)},
         {"reason", a.fit.reason},
         {"mass_kg", json_of(a.fit.mass)},

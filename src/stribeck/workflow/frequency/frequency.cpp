@@ -119,6 +119,7 @@ report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptio
   out.sources = axis.sources;
   if (!axis.records.empty())
     out.units = report::ShownUnits(axis.records.front().force_unit, axis.records.front().position_unit);
+  if (axis.rotary && out.units.physical()) out.units = report::ShownUnits::turning();
   ident::frequency::ResponseOptions how;
   if (!options.period.empty())
     how.period = option_si("--period", options.period, quantity("s", "s").positive());
