@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <exception>
 #include <filesystem>
 
 #include <stribeck/io/error.hpp>
@@ -9,6 +10,7 @@
 #include <stribeck/targets/cogging/moteus.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
+#include <stribeck/targets/steady/gain.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 
 namespace stribeck::targets {
@@ -19,7 +21,8 @@ namespace {
 std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
   const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
   const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
-  if (t.counts != GainUnit::kAny && !o.gain.empty() && !is_share(gain_unit(o))) return "--gain in % or ‰";
+  if (!o.gain.empty() && !can_count(t, gain_unit(o)))
+    return t.counts == GainUnit::kBits ? "--gain of one bit, % or V" : "--gain in % or ‰";
   if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};
   return gain && lead ? "--gain, --lead" : gain ? "--gain" : "--lead";
 }
@@ -38,9 +41,11 @@ std::string peak_line(std::string_view target, std::string_view what, const nloh
                      report::right_aligned(peak("model"), 12), what);
 }
 
-/// The peak that each target in a control leaves at the quadrants of the user's circle: tables, then pulses.
-void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyTarget*, SteadyText>>& steady,
-               Exported& out) {
+/// The peak that each target in a control leaves at the quadrants of the user's circle: tables, then pulses; returns a sentence for each
+/// pulse that could not be found.
+std::vector<std::string> add_peaks(const ExportRequest& o,
+                                   const std::vector<std::pair<const SteadyTarget*, SteadyText>>& steady,
+                                   Exported& out) {
   const PulseTask task = *circle_task("all", o);
   UserCircle c = user_circle(task);
   out.text += fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
@@ -60,15 +65,34 @@ void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyT
   each.lead.clear();
   each.resolution.clear();
   each.zero.clear();
+  std::vector<std::string> refused;
   for (const PulseTarget* t : pulse_targets()) {
     each.output = file_in(o, t->name, ".txt");
-    const Exported written = write_pulse(*t, each);
+    Exported written;
+    try {
+      written = write_pulse(*t, each);
+    } catch (const sim::Refused& e) {
+      refused.push_back(fmt::format("{}, because {}", t->name, e.what()));
+      continue;
+    }
     out.json["targets"].push_back({{"to", t->name},
                                    {"file", each.output},
                                    {"axes", written.json["axes"]},
                                    {"circle", written.json["circle"]}});
     out.text += peak_line(t->name, t->what, written.json["circle"]);
   }
+  return refused;
+}
+
+/// Why no pulse can be found with these axis files; empty: it can. Other errors of the options are thrown.
+std::string lack_of_pulses(const ExportRequest& o) {
+  try {
+    static_cast<void>(circle_task("all", o));
+  } catch (const io::InputError& e) {
+    if (e.problems().front().key != "friction.dynamics") throw;
+    return e.problems().front().text();
+  }
+  return {};
 }
 
 void add_moteus(const ExportRequest& o, Exported& out) {
@@ -79,33 +103,56 @@ void add_moteus(const ExportRequest& o, Exported& out) {
   out.text += "moteus: " + w.words.substr(0, w.words.find('\n') + 1);
 }
 
+/// The steady targets that take the axes, and why the others do not.
+struct SteadyTexts {
+  std::vector<std::pair<const SteadyTarget*, SteadyText>> all;
+  std::vector<std::string> open;     ///< targets that lack an option
+  std::vector<std::string> linear;   ///< targets without a place for a rotary axis
+  std::vector<std::string> refused;  ///< targets with a reason
+};
+
+SteadyTexts steady_texts(const ExportRequest& o) {
+  SteadyTexts out;
+  std::exception_ptr first;
+  const bool rotary = any_rotary(o);
+  for (const SteadyTarget* t : steady_targets()) {
+    if (t->linear_only && rotary) {
+      out.linear.emplace_back(t->name);
+      continue;
+    }
+    const std::string missing = missing_options(*t, o);
+    if (!missing.empty()) {
+      out.open.push_back(fmt::format("{} ({})", t->name, missing));
+      continue;
+    }
+    try {
+      out.all.emplace_back(t, steady_text(*t, o));
+    } catch (const io::InputError& e) {
+      out.refused.push_back(fmt::format("{}, because of {}", t->name, e.problems().front().text()));
+      if (!first) first = std::current_exception();
+    }
+  }
+  // What no target takes is wrong with the files or the options.
+  if (out.all.empty() && first) std::rethrow_exception(first);
+  return out;
+}
+
 }  // namespace
 
-Exported write_all(const ExportRequest& o) {
-  refuse_linuxcnc_options(o);
-  const bool pulses = !o.controller.empty();
-  if (!pulses) refuse_pulse_options(o);
+Exported write_all(const ExportRequest& asked) {
+  refuse_linuxcnc_options(asked);
+  if (asked.controller.empty()) refuse_pulse_options(asked);
+  ExportRequest o = asked;
   std::error_code ignored;
   if (std::filesystem::exists(o.output, ignored) && !std::filesystem::is_directory(o.output, ignored))
     throw io::InputError({o.output, 0, {}, "is a file, expected a folder for one file per target"});
   // What the pulses need is asked for before anything is computed.
-  if (pulses) static_cast<void>(circle_task("all", o));
-  std::vector<std::pair<const SteadyTarget*, SteadyText>> all;
-  std::vector<std::string> open;
-  const bool rotary = any_rotary(o);
-  std::vector<std::string> linear;
-  for (const SteadyTarget* t : steady_targets()) {
-    if (t->linear_only && rotary) {
-      linear.emplace_back(t->name);
-      continue;
-    }
-    const std::string missing = missing_options(*t, o);
-    if (missing.empty()) {
-      all.emplace_back(t, steady_text(*t, o));
-    } else {
-      open.push_back(fmt::format("{} ({})", t->name, missing));
-    }
+  const std::string lack = o.controller.empty() ? std::string() : lack_of_pulses(o);
+  if (!lack.empty()) {
+    for (std::string* option : {&o.controller, &o.machine, &o.period, &o.size}) option->clear();
   }
+  const bool pulses = !o.controller.empty();
+  auto [all, open, linear, refused] = steady_texts(o);
   // A target that fails leaves the folder as it was.
   io::WriteTogether together;
   const io::OutputFolder folder(o.output);
@@ -133,18 +180,25 @@ Exported write_all(const ExportRequest& o) {
                       report::right_aligned(report::significant(axis["rms_error_N"], 3) + " N", 12), t->what);
     }
   }
-  if (pulses) add_peaks(o, all, out);
+  if (pulses) {
+    const std::vector<std::string> not_found = add_peaks(o, all, out);
+    refused.insert(refused.end(), not_found.begin(), not_found.end());
+  }
   const std::string lacks = moteus_lacks(o);
   if (lacks.empty()) add_moteus(o, out);
+  std::vector<std::string> names;
   for (const PulseTarget* t : pulse_targets()) {
-    if (!pulses) open.push_back(fmt::format("{} (--controller)", t->name));
+    if (asked.controller.empty()) open.push_back(fmt::format("{} (--controller)", t->name));
+    names.emplace_back(t->name);
   }
+  if (!lack.empty()) refused.push_back(fmt::format("{}, because of {}", report::listed(names), lack));
   out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output) + besides;
   if (!open.empty())
     out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
   if (!linear.empty())
     out.text += fmt::format("Not written, because they have no place for a rotary axis: {}.\n",
                             report::listed(linear));
+  for (const std::string& words : refused) out.text += fmt::format("Not written: {}.\n", words);
   if (!lacks.empty()) out.text += fmt::format("Not written: moteus, which needs {}.\n", lacks);
   together.commit();
   return out;

@@ -39,10 +39,12 @@ sim::Machine machine_of(const std::array<friction::AxisModel, 2>& axes, double p
   return m;
 }
 
-Circle::Circle(const CircleAxes& axes, double radius, double feed, double laps)
+Circle::Circle(const CircleAxes& axes, double radius, double feed, double laps, int substeps)
     : axes_(axes),
       route_(sim::sample<2>(circle_travel(radius, feed, laps), axes.machine.sample_time)),
-      drives_(axes.machine, {0, 1}, 1.2 * feed) {
+      drives_(axes.machine, {0, 1}, 1.2 * feed),
+      substeps_(substeps) {
+  if (substeps_ > 0) return;
   try {
     substeps_ = sim::choose_substeps<2>(drives_, controller(sim::FrictionUse::kNone), route_, kAccuracy);
   } catch (const sim::Refused& e) {

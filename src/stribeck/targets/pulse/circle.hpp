@@ -35,7 +35,14 @@ struct CircleError {
 class Circle {
  public:
   /// laps: the part of the circle that is judged; half a circle has one reversal of each axis, or two of one.
-  Circle(const CircleAxes& axes, double radius, double feed, double laps);
+  /// substeps: those of an equal circle; 0: they are found, which takes several runs.
+  Circle(const CircleAxes& axes, double radius, double feed, double laps, int substeps = 0);
+
+  [[nodiscard]] int substeps() const noexcept { return substeps_; }
+  /// Steps of the simulation in one run.
+  [[nodiscard]] double work() const noexcept {
+    return static_cast<double>(route_.points.size()) * static_cast<double>(substeps_);
+  }
 
   [[nodiscard]] CircleError without();
   [[nodiscard]] CircleError with(const std::array<Pulse, 2>& pulses);

@@ -7,6 +7,7 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
@@ -91,6 +92,38 @@ double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes,
   return std::min(feed, with_digits(std::sqrt(acceleration * radius), 2));
 }
 
+/// The machine of --machine, its axes in the order of the files. The files say which axis theirs is; where one does not, the order of
+/// the files is that of the machine. An axis without a plant is the model in its file.
+sim::Machine machine_of_files(const ExportRequest& o) {
+  const std::vector<std::string> names = axes_in_files(o);
+  const bool named = std::none_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); });
+  std::vector<std::string> models;
+  for (std::size_t i = 0; named && i < names.size(); ++i) models.push_back(names[i] + "=" + o.files[i]);
+  sim::Machine machine =
+      workflow::read_virtual_machine(o.machine, models, workflow::AxisWithoutTruth::kLeftOut);
+  if (!named) return machine;
+  std::vector<std::pair<std::string, sim::MachineAxis>> ordered;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto same = [&](const auto& axis) {
+      return io::lower_case(axis.first) == io::lower_case(names[i]);
+    };
+    if (std::any_of(ordered.begin(), ordered.end(), same))
+      throw io::InputError({o.files[i], 0, "axis",
+                            fmt::format("two files are of axis {}, expected each axis once", names[i])});
+    const auto found = std::find_if(machine.axes.begin(), machine.axes.end(), same);
+    if (found == machine.axes.end()) {
+      std::vector<std::string> known;
+      for (const auto& [name, axis] : machine.axes) known.push_back(name);
+      throw io::InputError({o.files[i], 0, "axis",
+                            fmt::format("is {}, and {} has {} (give --machine with this axis)",
+                                        io::in_quotes(names[i]), o.machine, report::listed(known))});
+    }
+    ordered.push_back(*found);
+  }
+  machine.axes = std::move(ordered);
+  return machine;
+}
+
 nlohmann::ordered_json json_of(const CircleError& e) {
   return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
 }
@@ -152,7 +185,7 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   }
   if (!o.machine.empty()) {
     if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
-    t.machine = workflow::read_virtual_machine(o.machine);
+    t.machine = machine_of_files(o);
     if (t.machine->axes.size() < 2 || t.axes.size() < 2)
       refuse_option("--machine", "expected two axes of the machine and two axis files, for a circle");
     t.period = t.machine->sample_time;
@@ -256,6 +289,9 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
       "of that without{}, with the best amplitude of each {:.0f} %; not in it: terms periodic in position, different amplitudes for the two directions",
       tried.size(), report::significant(residual, 3), 100.0 * worst,
       worst > 1.0 ? " (larger than without: it does not serve all of these feeds)" : "", 100.0 * worst_best);
+  if (found.left_out > 0)
+    w.words += fmt::format("; {} of {} circles were left out: {}", found.left_out,
+                           found.left_out + found.rows.size(), found.why);
   w.json["residual_mm_per_min"] = residual;
   w.json["grid"] = grid;
 }

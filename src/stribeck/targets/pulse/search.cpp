@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +16,8 @@ constexpr double kPart = 0.6;
 constexpr std::array kRadii{1.0, 0.5, 0.2};       ///< of the user's radius
 constexpr std::array kFeeds{1.0, 0.7, 0.4, 0.2};  ///< of the user's feed
 constexpr int kSections = 14;                     ///< of the amplitude's range: 0.1 % of it remains
+/// Steps of the simulation in one of several hundred runs: about a second.
+constexpr double kMostWork = 1e7;
 
 /// An amplitude that is certainly too large: the force of the pulse is three times the jump of friction.
 double too_large(const friction::AxisModel& axis, const control::CascadeParams& loop, double feed) {
@@ -78,7 +81,8 @@ std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::C
   sim::parallel_for(
       rows.size(), 0, [] { return 0; },
       [&](int, std::size_t i) {
-        out[i] = Circle(axes, rows[i].radius, rows[i].feed, kPart).with(std::array{pulse, pulse});
+        out[i] = Circle(axes, rows[i].radius, rows[i].feed, kPart, rows[i].substeps)
+                     .with(std::array{pulse, pulse});
       });
   return out;
 }
@@ -90,27 +94,56 @@ PulseSearch search_pulses(const friction::AxisModel& axis, const sim::Controller
   const double most = too_large(axis, cascade, feed);
   const auto nothing = [] { return 0; };
 
+  const Circle own(axes, radius, feed, kPart);
+  if (own.work() > kMostWork) {
+    throw sim::Refused(fmt::format(
+        "a circle of {:.4g} mm at {:.4g} mm/s takes {:.2g} steps of the simulation, {} in each period of {:.4g} ms, and the search runs hundreds of them: "
+        "choose a faster one with --speed, or a smaller one with --size, or a longer --period",
+        1e3 * radius, 1e3 * feed, own.work(), own.substeps(), 1e3 * period));
+  }
   std::vector<PulseRow> tried(shapes.size());
   sim::parallel_for(shapes.size(), 0, nothing, [&](int, std::size_t i) {
-    Circle circle(axes, radius, feed, kPart);
+    Circle circle(axes, radius, feed, kPart, own.substeps());
     tried[i] = best_of(circle, most, shapes[i]);
   });
   const auto best = std::min_element(tried.begin(), tried.end(),
                                      [](const PulseRow& a, const PulseRow& b) { return a.cost < b.cost; });
   PulseSearch found;
   found.shape = static_cast<std::size_t>(best - tried.begin());
-  found.rows.resize(kRadii.size() * kFeeds.size());
-  sim::parallel_for(found.rows.size(), 0, nothing, [&](int, std::size_t i) {
-    const double r = radius * kRadii[i / kFeeds.size()];
-    const double v = feed * kFeeds[i % kFeeds.size()];
-    Circle circle(axes, r, v, kPart);
-    PulseRow row = best_of(circle, most, shapes[found.shape]);
-    row.radius = r;
-    row.feed = v;
-    row.acceleration = v * v / r;
-    row.without = circle.without();
-    found.rows[i] = row;
+  std::vector<PulseRow> rows(kRadii.size() * kFeeds.size());
+  std::vector<std::string> refused(rows.size());
+  sim::parallel_for(rows.size(), 0, nothing, [&](int, std::size_t i) {
+    const double share_of_radius = kRadii[i / kFeeds.size()];
+    const double share_of_feed = kFeeds[i % kFeeds.size()];
+    const double r = radius * share_of_radius;
+    const double v = feed * share_of_feed;
+    if (own.work() * share_of_radius / share_of_feed > kMostWork) {
+      refused[i] =
+          fmt::format("a circle of {:.4g} mm at {:.4g} mm/s takes too long to simulate", 1e3 * r, 1e3 * v);
+      return;
+    }
+    try {
+      Circle circle(axes, r, v, kPart);
+      PulseRow row = best_of(circle, most, shapes[found.shape]);
+      row.radius = r;
+      row.feed = v;
+      row.acceleration = v * v / r;
+      row.without = circle.without();
+      row.substeps = circle.substeps();
+      rows[i] = row;
+    } catch (const sim::Refused& e) {
+      if (i == 0) throw;  // the user's own circle
+      refused[i] =
+          fmt::format("the loop does not follow a circle of {:.4g} mm at {:.4g} mm/s", 1e3 * r, 1e3 * v);
+    }
   });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (refused[i].empty()) {
+      found.rows.push_back(rows[i]);
+    } else if (found.left_out++ == 0) {
+      found.why = refused[i];
+    }
+  }
   return found;
 }
 

@@ -7,6 +7,7 @@
 /// Real time: no.
 
 #include <stribeck/targets/pulse/circle.hpp>
+#include <string>
 #include <vector>
 
 namespace stribeck::targets {
@@ -19,6 +20,7 @@ struct PulseRow {
   CircleError without;        ///< without the pulse
   CircleError best;           ///< with that amplitude
   double cost = 0.0;          ///< what the search makes small [m]
+  int substeps = 0;           ///< of its simulation
 };
 
 /// A pulse of which the amplitude [m/s] is free.
@@ -27,6 +29,8 @@ using PulseShape = std::function<Pulse(double amplitude)>;
 struct PulseSearch {
   std::size_t shape = 0;       ///< which of the list
   std::vector<PulseRow> rows;  ///< by radius, then by feed, the user's circle first
+  std::size_t left_out = 0;    ///< circles of the grid that the loop does not follow, or that take too long
+  std::string why;             ///< of the first of them
 };
 
 /// Multiples of the integral time that are tried for a time of a pulse.
@@ -35,7 +39,8 @@ inline constexpr std::array kPulseTimes{0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0
 /// Force by which steady friction changes at a reversal [N], of slow motion: a thousandth of the feed.
 double jump_of_friction(const friction::AxisModel& axis, double feed) noexcept;
 
-/// radius, feed: the user's circle, the largest and fastest of the grid.
+/// radius, feed: the user's circle, the largest and fastest of the grid. Throws sim::Refused where the loop does not follow that circle,
+/// or its simulation would take too long.
 PulseSearch search_pulses(const friction::AxisModel& axis, const sim::ControllerSpec& loop, double period,
                           double radius, double feed, const std::vector<PulseShape>& shapes);
 

@@ -153,6 +153,22 @@ TEST(Sinumerik, WritesWhatTakesMostOfTheQuadrantErrorAway) {
   EXPECT_EQ(text_of(x.request.output), first);
 }
 
+// By position a file of z was laid on the axis y of the machine.
+TEST(Sinumerik, TheMachineHasTheAxesThatTheFilesName) {
+  PulseExport x("sinumerik", kBristles);
+  const std::string model = text_of(x.request.files.front());
+  const auto file_of = [&](const std::string& axis) {
+    return x.folder.write(axis + ".toml", "axis = \"" + axis + "\"\n" + model);
+  };
+  x.request.machine = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  x.request.period.clear();
+  x.request.files = {file_of("x"), file_of("z")};
+  EXPECT_THAT(x.refusal(), HasSubstr("axis: is \"z\", and"));
+  EXPECT_THAT(x.refusal(), HasSubstr("has x and y"));
+  x.request.files = {file_of("x"), file_of("x")};
+  EXPECT_THAT(x.refusal(), HasSubstr("two files are of axis x"));
+}
+
 TEST(Sinumerik, RefusesWhatItCannotPredict) {
   EXPECT_THAT(PulseExport("sinumerik", "").refusal(),
               HasSubstr("friction.dynamics: is missing: the pulse depends on pre-sliding"));

@@ -10,7 +10,8 @@ namespace stribeck::targets {
 
 namespace {
 
-/// Coulomb friction by direction, in steps of the control's number.
+/// Coulomb friction by direction, in steps of the control's number: the level of the nearest line, without what grows with the speed,
+/// because these numbers act at a reversal, or beside a feed-forward of the speed.
 struct Levels {
   double positive = 0.0;  ///< [control's unit]
   double negative = 0.0;
@@ -19,7 +20,8 @@ struct Levels {
 Levels levels_of(const Axis& axis, double step, bool both) {
   const double unit = axis.gain;
   const auto rounded = [&](double direction) {
-    return step * std::round(nearest_level(axis, direction) / unit / step);
+    const Line line = direction == 0.0 ? nearest_line(axis) : nearest_line(axis, direction);
+    return step * std::round(line.level / unit / step);
   };
   Levels l;
   l.positive = rounded(both ? 0.0 : 1.0);
@@ -79,9 +81,23 @@ Form ax8000(const Axis& axis) {
   return form;
 }
 
+/// Points at whole tenths of a turn per minute, each at the friction of its speed.
+std::vector<Corner> points_at_tenths(const Axis& axis, std::size_t most) {
+  const double tenth = axis.lead / 600.0;  // [m/s]
+  std::vector<Corner> points;
+  for (const Corner& c : nearest_points(axis, most)) {
+    const double last = points.empty() ? -1.0 : std::round(points.back().x / tenth);
+    const double at = std::max(std::round(c.x / tenth), last + 1.0);
+    const double v = std::clamp(at * tenth, axis.slowest, axis.fastest);
+    const double force = 0.5 * (axis.friction(v) - axis.friction(-v));
+    points.push_back({at * tenth, axis.gain * std::stod(fmt::format("{:.2f}", force / axis.gain))});
+  }
+  return points;
+}
+
 Form keba(const Axis& axis) {
   constexpr std::size_t kMost = 5;
-  const std::vector<Corner> points = rounded_points(axis, kMost, 2);
+  const std::vector<Corner> points = points_at_tenths(axis, kMost);
   Form form;
   for (std::size_t i = 0; i < points.size(); ++i) {
     form.text += fmt::format("index {}: {:.1f} rpm, {:.2f} {}\n", i, 60.0 * points[i].x / axis.lead,
@@ -102,7 +118,8 @@ Form mitsubishi(const Axis& axis) {
                           l.positive == l.negative ? 0.0 : 2.0 * l.negative);
   form.held = l.held;
   form.to_do = fmt::format(
-      "Servo parameters, lost-motion compensation type 2; SV016 counts {} of the stall current, twice the friction. Check first with "
+      "Servo parameters, lost-motion compensation type 2; SV016 counts {} of the stall current, twice the friction that does not grow with "
+      "the speed. Check first with "
       "half the value on the circle: too much cuts into the contour.",
       axis.unit);
   return form;
@@ -113,8 +130,9 @@ Form pmac(const Axis& axis) {
   Form form;
   form.text = fmt::format("Ixx68 = {:.0f}\n", l.positive);
   form.held = l.held;
-  form.to_do = fmt::format(
-      "Ixx68 of the motor xx, in {} of the servo output, by the sign of the commanded velocity.", axis.unit);
+  form.to_do =
+      "Ixx68 of the motor xx, in bits of its 16-bit output (32 767 are 100 %), by the sign of the commanded velocity. What grows with the "
+      "speed is not in it: it belongs to the velocity feed-forward Ixx32.";
   return form;
 }
 
@@ -153,7 +171,12 @@ const SteadyTarget kMitsubishi{.name = "mitsubishi",
                                .write = mitsubishi,
                                .counts = GainUnit::kPercent};
 extern const SteadyTarget kPmac;
-const SteadyTarget kPmac{"pmac", "friction feed-forward Ixx68", "#", SteadyNeeds::kGain, pmac};
+const SteadyTarget kPmac{.name = "pmac",
+                         .what = "friction feed-forward Ixx68",
+                         .comment = "#",
+                         .needs = SteadyNeeds::kGain,
+                         .write = pmac,
+                         .counts = GainUnit::kBits};
 extern const SteadyTarget kIndraDrive;
 const SteadyTarget kIndraDrive{.name = "indradrive",
                                .what = "friction torque compensation S-0-0155",

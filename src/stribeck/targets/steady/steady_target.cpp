@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <set>
 
@@ -16,6 +17,7 @@
 #include <stribeck/targets/pulse/build_up.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
+#include <stribeck/targets/steady/gain.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -39,29 +41,6 @@ constexpr int kBetween = 4;
 constexpr int kEven = 1000;          // more places, at even distance
 constexpr double kBeyond = 1.05;     // of the identified speed
 constexpr double kWorthRange = 1.2;  // ratio of the speeds of both directions that is worth a word
-
-/// "12.5 N/%" → 12.5 N and "%".
-std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
-  if (o.gain.empty()) return {kUnknown, {}};
-  const std::size_t slash = o.gain.rfind('/');
-  if (slash == std::string::npos || slash + 1 == o.gain.size()) {
-    refuse_option(
-        "--gain",
-        fmt::format("got {}, expected the force of one unit of the control, e.g. \"12.5 N/%\" or \"140 N/A\"",
-                    io::in_quotes(o.gain)));
-  }
-  std::string unit = gain_unit(o);
-  constexpr std::string_view kLetters =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%\xe2\x80\xb0._-";
-  if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
-    refuse_option("--gain",
-                  fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
-  const std::string force = o.gain.substr(0, slash);
-  // The force of an axis that turns is a torque.
-  const bool torque = rotary && force.find('m') != std::string::npos;
-  return {option_si("--gain", force, (torque ? quantity("N m", "N m") : quantity("N", "N")).positive()),
-          unit};
-}
 
 std::string refuse_name(const std::string& name) {
   refuse_option("--name",
@@ -126,6 +105,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
   a.fastest = a.identified = file.identified_speed().value_or(0.0);
+  if (file.uncertainty) a.told_from = file.uncertainty->told_from;
   if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
   std::tie(a.gain, a.unit) = gain_of(o, a.rotary);
   a.lead = o.lead.empty() ? kUnknown : travel_si("--lead", o.lead, quantity("m", "mm").positive(), a.rotary);
@@ -215,39 +195,6 @@ Error error_of(const Axis& axis, const Form& form) {
   return e;
 }
 
-bool is_per_mille(std::string_view unit) {
-  constexpr std::array<std::string_view, 5> kWords{"‰", "per_mille", "per-mille", "permille", "promille"};
-  return std::find(kWords.begin(), kWords.end(), unit) != kWords.end();
-}
-
-/// The gain in the unit in which the target counts.
-void count_as(const SteadyTarget& target, Axis& axis) {
-  if (target.counts == GainUnit::kAny) return;
-  const bool per_cent = target.counts == GainUnit::kPercent;
-  if (!is_share(axis.unit)) {
-    refuse_option(
-        "--gain",
-        fmt::format(
-            "got the force of one {}, but {} counts in {} of the rated torque or current, expected the force of one "
-            "% or ‰ of it, e.g. \"12.5 N/%\"",
-            axis.unit, target.name, per_cent ? "%" : "‰"));
-  }
-  if (per_cent == is_per_mille(axis.unit)) axis.gain *= per_cent ? 10.0 : 0.1;
-  axis.unit = per_cent ? "%" : "‰";
-}
-
-/// A sentence where friction is above the rated torque, which tells that --gain is wrong; else nothing.
-std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
-  if (target.counts == GainUnit::kAny) return {};
-  double most = 0.0;
-  for (const double v : {axis.slowest, axis.fastest})
-    most = std::max({most, std::abs(axis.friction(v)), std::abs(axis.friction(-v))});
-  const double share = most / axis.gain * (target.counts == GainUnit::kPercent ? 0.01 : 0.001);
-  if (!(share > 1.0)) return {};
-  return fmt::format("{}: friction of {} N is {} % of the rated torque or current: check --gain.\n",
-                     axis.name, report::significant(most, 3), report::significant(100.0 * share, 3));
-}
-
 std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   const ident::Shown shown("m", "N", axis.rotary);
   std::vector<std::string> out;
@@ -323,18 +270,33 @@ void add_build_up(const SteadyTarget& target, const PulseTask& task, std::size_t
                          report::significant(1e6 * table.build_up, 3), before);
 }
 
-/// A unit that is too large for the format leaves nothing to compensate.
-void refuse_nothing(const Axis& axis, const Form& form, const Error& e) {
-  if (!(e.friction > 0.0) || !std::isfinite(axis.gain)) return;
+/// A unit that is too large for the format leaves nothing to compensate, and so does friction of which the format holds no part.
+void refuse_nothing(const SteadyTarget& target, const Axis& axis, const Form& form, const Error& e) {
+  if (!(e.friction > 0.0)) return;
   for (const double share : {-1.0, -0.3, -0.03, 0.03, 0.3, 1.0}) {
     if (form.held(share * axis.fastest) != 0.0) return;
   }
+  const ident::Shown shown("m", "N", axis.rotary);
+  if (target.needs == SteadyNeeds::kLead || target.needs == SteadyNeeds::kNothing)
+    throw io::InputError(
+        {axis.file, 0, "friction.steady",
+         fmt::format("{} ({}) would hold nothing of this friction of {} RMS (choose another target)",
+                     target.name, target.what, shown.force(e.friction))});
   refuse_option(
       "--gain",
       fmt::format(
-          "got {} N per {}: in whole steps of this format the friction of {} N RMS becomes 0; give the force of the unit "
+          "got {} per {}: in whole steps of this format the friction of {} RMS becomes 0; give the force of the unit "
           "in which the control counts, e.g. of one bit of its output",
-          report::significant(axis.gain, 4), axis.unit, report::significant(e.friction, 3)));
+          shown.force(axis.gain), axis.unit, shown.force(e.friction)));
+}
+
+/// What an export should say of friction that the logs did not tell; empty: they told it, or it is not known whether.
+std::string untold(const Axis& axis) {
+  if (!(axis.told_from > axis.slowest)) return {};
+  const ident::Shown shown("m", "N", axis.rotary);
+  const double force = 0.5 * (axis.friction(axis.slowest) - axis.friction(-axis.slowest));
+  return fmt::format("; below {} the logs do not tell the friction ({} stand there: record slow jogs)",
+                     shown.speed(axis.told_from), shown.force(force));
 }
 
 }  // namespace
@@ -362,7 +324,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     count_as(target, axis);
     const Form form = target.write(axis);
     const Error e = error_of(axis, form);
-    refuse_nothing(axis, form, e);
+    refuse_nothing(target, axis, form, e);
     const std::vector<std::string> missing = left_out(axis, form);
     const ident::Shown shown("m", "N", axis.rotary);
     std::string words = fmt::format(
@@ -376,6 +338,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
       words +=
           fmt::format("; in one direction nothing was identified beyond {}", shown.speed(axis.identified));
     }
+    words += untold(axis);
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     if (axis.rotary)
@@ -384,15 +347,18 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     w.tables.push_back({form.held});
     w.words += fmt::format("{}: {}.\n", axis.name, words) + word_of_gain(target, axis);
     to_do = form.to_do;
-    w.json.push_back({{"name", axis.name},
-                      {"file", axis.file},
-                      {"rotary", axis.rotary},
-                      {"slowest_mm_per_s", 1e3 * axis.slowest},
-                      {"fastest_mm_per_s", 1e3 * axis.fastest},
-                      {"max_error_N", e.largest},
-                      {"rms_error_N", e.rms},
-                      {"rms_friction_N", e.friction},
-                      {"left_out", missing}});
+    w.json.push_back(
+        {{"name", axis.name},
+         {"file", axis.file},
+         {"rotary", axis.rotary},
+         {"slowest_mm_per_s", 1e3 * axis.slowest},
+         {"fastest_mm_per_s", 1e3 * axis.fastest},
+         {"told_from_mm_per_s", axis.told_from > 0.0 ? nlohmann::ordered_json(1e3 * axis.told_from)
+                                                     : nlohmann::ordered_json(nullptr)},
+         {"max_error_N", e.largest},
+         {"rms_error_N", e.rms},
+         {"rms_friction_N", e.friction},
+         {"left_out", missing}});
     if (task) add_build_up(target, with_gains_of(*task, i), i, axis, w);
     axes.push_back(axis);
   }
@@ -413,14 +379,6 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   w.words += to_do + "\n";
   return w;
 }
-
-std::string gain_unit(const ExportRequest& o) {
-  std::string unit = o.gain.substr(std::min(o.gain.rfind('/') + 1, o.gain.size()));
-  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
-  return unit;
-}
-
-bool is_share(std::string_view unit) { return unit == "%" || unit == "percent" || is_per_mille(unit); }
 
 double Axis::friction(double v) const noexcept {
   return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },

@@ -35,6 +35,7 @@ struct Axis {
   double fastest = 0.0;     ///< [m/s]; 0: not known
   double identified = 0.0;  ///< speed up to which both directions were identified [m/s]; 0: not known
   double widest = 0.0;      ///< the same of the direction that goes farther
+  double told_from = 0.0;   ///< smallest speed whose friction the logs tell [m/s]; 0: not known
   std::size_t number = 0;   ///< of the axis in a control, see axis_numbers()
   double gain = 1.0;        ///< force of one unit of the control [N]; NaN: not given
   std::string unit;         ///< name of that unit: "%", "A"
@@ -74,7 +75,12 @@ struct Beside {
 enum class SteadyNeeds { kNothing, kGain, kGainAndLead, kLead };
 
 /// The unit in which the control counts; --gain is brought to it.
-enum class GainUnit { kAny, kPercent, kPerMille };
+enum class GainUnit {
+  kAny,
+  kPercent,   ///< of the rated torque or current
+  kPerMille,  ///< the same
+  kBits,      ///< of a converter of 16 bits: 32 767 are 100 %, and 10 V
+};
 
 struct SteadyTarget {
   std::string_view name;
@@ -95,9 +101,9 @@ struct SteadyTarget {
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
-  bool encoder = false;              ///< takes the step of the encoder
-  bool linear_only = false;          ///< has no place for a rotary axis
-  GainUnit counts = GainUnit::kAny;  ///< of the rated torque or current
+  bool encoder = false;      ///< takes the step of the encoder
+  bool linear_only = false;  ///< has no place for a rotary axis
+  GainUnit counts = GainUnit::kAny;
 };
 
 /// All of them, in the order of help.
@@ -129,10 +135,6 @@ std::vector<Axis> axes_of(const ExportRequest& request);
 
 /// The circle of the request for these targets; absent without --controller.
 std::optional<PulseTask> circle_task(std::string_view target, const ExportRequest& request);
-
-/// The unit behind the slash of --gain, without blanks; whether it is a share of the rated torque: % or ‰.
-std::string gain_unit(const ExportRequest& request);
-bool is_share(std::string_view unit);
 
 /// Refuses the options that only --to linuxcnc takes.
 void refuse_linuxcnc_options(const ExportRequest& request);

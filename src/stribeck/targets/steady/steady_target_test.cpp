@@ -157,7 +157,10 @@ TEST(SteadyTarget, LostMotionIsTwiceTheFrictionByDirection) {
   x.request.gain = "3 N/%";
   EXPECT_THAT(x.text("mitsubishi"), HasSubstr("SV016 = 40\nSV041 = 0\n"));
   EXPECT_LT(error_of(x.to("mitsubishi")), 1e-9);
-  EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 20\n"));
+  // 32 767 bits are 100 % of the output: 60 N are 20 %.
+  EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 6553\n"));
+  x.request.gain = "30 N/V";
+  EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 6553\n"));
   EXPECT_THAT(x.text("mujoco"), HasSubstr("frictionloss=\"60\" damping=\"0\""));
 }
 
@@ -166,9 +169,40 @@ TEST(SteadyTarget, AUnitThatLeavesNothingIsRefused) {
       "mass = \"8 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"9 N\"\nalpha2 = \"0 N s/mm\"\n");
   x.request.gain = "48 N/A";
   EXPECT_THAT([&] { x.to("pmac"); },
-              ThrowsMessage<io::InputError>(HasSubstr("the friction of 9.00 N RMS becomes 0")));
+              ThrowsMessage<io::InputError>(HasSubstr("counts in bits of a 16-bit output")));
+  x.request.gain = "48 N/bit";
+  EXPECT_THAT([&] { x.to("pmac"); },
+              ThrowsMessage<io::InputError>(HasSubstr("friction of 9 N RMS becomes 0")));
   x.request.gain = "0.5 N/bit";
   EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 18\n"));
+}
+
+// What grows with the speed has no place in a number that acts at a reversal: over all speeds to 300 mm/s SV016 was 116.
+TEST(SteadyTarget, NumbersForAReversalHaveTheCoulombFrictionAtAnySpeed) {
+  Export x(
+      "mass = \"800 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"350 N\"\nalpha2 = \"2.5 N s/mm\"\n"
+      "stribeck = { alpha1 = \"500 N\", v0 = \"5 mm/s\", delta = 1 }\n");
+  x.request.gain = "12.5 N/%";
+  for (const char* speed : {"100 mm/s", "300 mm/s"}) {
+    x.request.speed = speed;
+    const std::string text = x.text("mitsubishi");
+    const auto at = text.find("SV016 = ");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_NEAR(std::stod(text.substr(at + 8)), 2.0 * 350.0 / 12.5, 6.0) << speed;
+  }
+  EXPECT_THAT(x.text("indradrive"), HasSubstr("S-0-0155 = 2"));
+}
+
+TEST(SteadyTarget, WhatTheLogsDidNotTellIsSaid) {
+  Export x(std::string("velocity_range = [\"-100 mm/s\", \"100 mm/s\"]\n") + kAxis +
+           "[uncertainty]\nrise_speed = \"5 mm/s\"\ntold_from = \"4 mm/s\"\ndeviations = []\n");
+  const targets::Exported e = x.to("c");
+  EXPECT_THAT(e.text, HasSubstr("below 4 mm/s the logs do not tell the friction"));
+  EXPECT_THAT(text_of(x.request.output), HasSubstr("the logs do not tell the friction"));
+  EXPECT_NEAR(e.json["axes"][0]["told_from_mm_per_s"].get<double>(), 4.0, 1e-9);
+  Export told;
+  EXPECT_THAT(told.to("c").text, Not(HasSubstr("do not tell")));
+  EXPECT_TRUE(told.to("c").json["axes"][0]["told_from_mm_per_s"].is_null());
 }
 
 TEST(SteadyTarget, TheGainOfAnAxisThatTurnsIsATorque) {
@@ -186,6 +220,39 @@ TEST(SteadyTarget, SpeedsOfTheServoOneAreThoseOfTheMotor) {
   x.request.lead = "10 mm";
   // 100 mm/s at 10 mm per turn.
   EXPECT_THAT(x.text("keba"), HasSubstr(": 600.0 rpm, "));
+}
+
+// A tenth of a turn per minute is a coarse step of a long lead: the error is that of the speeds as they are written.
+TEST(SteadyTarget, TheErrorOfTheServoOneIsThatOfItsRoundedSpeeds) {
+  Export x(
+      "mass = \"80 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"60 N\"\nalpha2 = \"0 N s/mm\"\n"
+      "stribeck = { alpha1 = \"100 N\", v0 = \"1 mm/s\", delta = 1 }\n");
+  x.request.gain = "1 N/%";
+  x.request.lead = "1000 mm";
+  const targets::Exported e = x.to("keba");
+  std::istringstream lines(text_of(x.request.output));
+  std::vector<std::pair<double, double>> points;  // mm/s, N
+  for (std::string line; std::getline(lines, line);) {
+    double rpm = 0.0, force = 0.0;
+    int index = 0;
+    if (std::sscanf(line.c_str(), "index %d: %lf rpm, %lf", &index, &rpm, &force) == 3)
+      points.emplace_back(rpm * 1000.0 / 60.0, force);
+  }
+  ASSERT_EQ(points.size(), 5U);
+  double largest = 0.0;
+  for (double v = 0.05; v <= 100.0; v += 0.05) {
+    double written = points.back().second;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const auto [v0, f0] = points[i - 1];
+      const auto [v1, f1] = points[i];
+      EXPECT_GT(v1, v0);
+      if (v < v0 || v > v1) continue;
+      written = f0 + (f1 - f0) * (v - v0) / (v1 - v0);
+      break;
+    }
+    largest = std::max(largest, std::abs(written - (60.0 + 40.0 * std::exp(-v))));
+  }
+  EXPECT_NEAR(error_of(e), largest, 0.02 * largest);
 }
 
 TEST(SteadyTarget, ViscousFrictionAtTheMotor) {
@@ -331,13 +398,33 @@ TEST(SteadyTarget, AllSideBySide) {
   EXPECT_TRUE(std::filesystem::exists(x.folder / "all/friction_feedforward.cpp"));
 }
 
+// A target that has no place for the friction of an axis keeps none of the others from it.
+TEST(SteadyTarget, AllButTheOneThatWouldHoldNothing) {
+  Export x(
+      "mass = \"800 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"20 N\"\nalpha2 = \"0 N s/mm\"\n"
+      "stribeck = { alpha1 = \"50 N\", v0 = \"20 mm/s\", delta = 1 }\n");
+  x.request.lead = "10 mm";
+  EXPECT_THAT(x.refusal("ax8000"), HasSubstr("would hold nothing of this friction"));
+  x.request.output = x.folder / "all";
+  x.request.gain = "12.5 N/%";
+  EXPECT_THAT(x.to("all").text, HasSubstr("Not written: ax8000, because of "));
+  EXPECT_FALSE(std::filesystem::exists(x.folder / "all/ax8000.txt"));
+  EXPECT_TRUE(std::filesystem::exists(x.folder / "all/cia402.txt"));
+}
+
 // All files of --to all are written, or none.
 TEST(SteadyTarget, AllThatFailsLeavesTheFolderAsItWas) {
   Export x;
   x.request.output = x.folder / "all";
-  x.request.controller = "cascade";
-  EXPECT_THAT(x.refusal("all"), HasSubstr("friction.dynamics: is missing: the pulse depends on pre-sliding"));
+  x.request.gain = "12 kg/%";
+  EXPECT_THAT(x.refusal("all"), HasSubstr("--gain"));
   EXPECT_FALSE(std::filesystem::exists(x.request.output));
+  // Without pre-sliding there are no pulses, and all else.
+  x.request.gain.clear();
+  x.request.controller = "cascade";
+  EXPECT_THAT(x.to("all").text, HasSubstr("Not written: sinumerik, tnc and fanuc, because of "));
+  EXPECT_TRUE(std::filesystem::exists(x.folder / "all/csv.txt"));
+  std::filesystem::remove_all(x.folder / "all");
   // The last file cannot be written.
   x.request.controller.clear();
   std::filesystem::create_directories(x.folder / "all/fmu.fmu/in-the-way");

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include <stribeck/io/printable.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/steady/gain.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::targets {
+
+using workflow::option_si;
+using workflow::refuse_option;
+
+std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
+  if (o.gain.empty()) return {std::numeric_limits<double>::quiet_NaN(), {}};
+  const std::size_t slash = o.gain.rfind('/');
+  if (slash == std::string::npos || slash + 1 == o.gain.size()) {
+    refuse_option(
+        "--gain",
+        fmt::format("got {}, expected the force of one unit of the control, e.g. \"12.5 N/%\" or \"140 N/A\"",
+                    io::in_quotes(o.gain)));
+  }
+  std::string unit = gain_unit(o);
+  constexpr std::string_view kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%\xe2\x80\xb0._-";
+  if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
+    refuse_option("--gain",
+                  fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
+  const std::string force = o.gain.substr(0, slash);
+  // The force of an axis that turns is a torque.
+  const bool torque = rotary && force.find('m') != std::string::npos;
+  return {option_si("--gain", force, (torque ? quantity("N m", "N m") : quantity("N", "N")).positive()),
+          unit};
+}
+
+namespace {
+
+bool is_per_mille(std::string_view unit) {
+  constexpr std::array<std::string_view, 5> kWords{"‰", "per_mille", "per-mille", "permille", "promille"};
+  return std::find(kWords.begin(), kWords.end(), unit) != kWords.end();
+}
+
+constexpr double kFull = 32767.0;  // bits of the converter at 100 %, and at 10 V
+
+/// Bits of the converter for one unit; 0: it is none of an output.
+double bits_per(std::string_view unit) {
+  const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
+    return std::find(words.begin(), words.end(), unit) != words.end();
+  };
+  if (is_one_of({"bit", "bits", "count", "counts"})) return 1.0;
+  if (is_one_of({"%", "percent"})) return kFull / 100.0;
+  if (is_per_mille(unit)) return kFull / 1000.0;
+  return unit == "V" ? kFull / 10.0 : 0.0;
+}
+
+/// The gain in bits of the converter.
+void count_in_bits(const SteadyTarget& target, Axis& axis) {
+  const double per_unit = bits_per(axis.unit);
+  if (per_unit == 0.0) {
+    refuse_option(
+        "--gain",
+        fmt::format(
+            "got the force of one {}, but {} counts in bits of a 16-bit output (32 767 are 100 %, or 10 V), expected the force "
+            "of one bit, % or V, e.g. \"12.5 N/%\"",
+            axis.unit, target.name));
+  }
+  axis.gain /= per_unit;
+  axis.unit = "bit";
+}
+
+}  // namespace
+
+void count_as(const SteadyTarget& target, Axis& axis) {
+  if (target.counts == GainUnit::kAny) return;
+  if (target.counts == GainUnit::kBits) return count_in_bits(target, axis);
+  const bool per_cent = target.counts == GainUnit::kPercent;
+  if (!is_share(axis.unit)) {
+    refuse_option(
+        "--gain",
+        fmt::format(
+            "got the force of one {}, but {} counts in {} of the rated torque or current, expected the force of one "
+            "% or ‰ of it, e.g. \"12.5 N/%\"",
+            axis.unit, target.name, per_cent ? "%" : "‰"));
+  }
+  if (per_cent == is_per_mille(axis.unit)) axis.gain *= per_cent ? 10.0 : 0.1;
+  axis.unit = per_cent ? "%" : "‰";
+}
+
+bool can_count(const SteadyTarget& target, std::string_view unit) {
+  if (target.counts == GainUnit::kAny) return true;
+  return target.counts == GainUnit::kBits ? bits_per(unit) > 0.0 : is_share(unit);
+}
+
+std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
+  if (target.counts == GainUnit::kAny) return {};
+  double most = 0.0;
+  for (const double v : {axis.slowest, axis.fastest})
+    most = std::max({most, std::abs(axis.friction(v)), std::abs(axis.friction(-v))});
+  const bool bits = target.counts == GainUnit::kBits;
+  const double whole = target.counts == GainUnit::kPercent ? 100.0 : bits ? kFull : 1000.0;
+  const double share = most / axis.gain / whole;
+  if (!(share > 1.0)) return {};
+  return fmt::format("{}: friction of {} N is {} % of the {}: check --gain.\n", axis.name,
+                     report::significant(most, 3), report::significant(100.0 * share, 3),
+                     bits ? "output" : "rated torque or current");
+}
+
+std::string gain_unit(const ExportRequest& o) {
+  std::string unit = o.gain.substr(std::min(o.gain.rfind('/') + 1, o.gain.size()));
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  return unit;
+}
+
+bool is_share(std::string_view unit) { return unit == "%" || unit == "percent" || is_per_mille(unit); }
+
+}  // namespace stribeck::targets

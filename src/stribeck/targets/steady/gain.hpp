@@ -1,0 +1,29 @@
+#pragma once
+/// The option --gain of an export: the force of one unit of the control, and the unit in which its parameter counts.
+///
+/// Real time: no.
+/// Errors: InputError naming the option.
+
+#include <stribeck/targets/steady/steady_target.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace stribeck::targets {
+
+/// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque.
+std::pair<double, std::string> gain_of(const ExportRequest& request, bool rotary);
+
+/// The unit behind the slash, without blanks; whether it is a share of the rated torque: % or ‰.
+std::string gain_unit(const ExportRequest& request);
+bool is_share(std::string_view unit);
+
+/// Whether the target can count in this unit of --gain.
+bool can_count(const SteadyTarget& target, std::string_view unit);
+/// Brings the gain of an axis to the unit in which the target counts; refuses a unit that cannot be.
+void count_as(const SteadyTarget& target, Axis& axis);
+
+/// A sentence where friction is above what the control can give, which tells that --gain is wrong; else nothing.
+std::string word_of_gain(const SteadyTarget& target, const Axis& axis);
+
+}  // namespace stribeck::targets
