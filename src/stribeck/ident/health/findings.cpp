@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stribeck/ident/health/findings.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
@@ -8,7 +9,8 @@ namespace stribeck::ident::health {
 namespace {
 
 constexpr double kSeason = 2.0;      // limit of viscous friction without temperatures, times that of others
-constexpr double kSameChange = 7.0;  // days between steps of one change
+constexpr double kSameChange = 7.0;  // days between steps of one change, at most
+constexpr double kApart = 1.5;       // tests between the intervals of two changes
 constexpr std::size_t kBeside = 10;  // tests before and after
 constexpr double kMedianSpread = 1.25;  // standard deviation of a median to that of a mean
 
@@ -94,12 +96,37 @@ void add_circle(const std::vector<HealthTest>& tests, const Limits& limits, std:
     });
 }
 
-/// How much a number changed at a day: its own step, or the medians before and after.
-Shift shift_at(const Channel& c, std::size_t index, double day) {
+/// Usual time from test to test [days].
+double spacing_of(const std::vector<Channel>& channels) {
+  std::vector<double> steps;
+  for (const Channel& c : channels)
+    for (std::size_t i = 1; i < c.readings.size(); ++i)
+      steps.push_back(c.readings[i].day - c.readings[i - 1].day);
+  return steps.empty() ? 0.0 : stats::median(std::move(steps));
+}
+
+/// Whether a step may be the same event as a change: the intervals of their days meet, or nearly so.
+bool is_of(const Change& change, const Step& step, double spacing) {
+  const double gap = std::max(change.earliest - step.latest, step.earliest - change.latest);
+  return std::abs(change.day - step.day) <= kSameChange && gap <= kApart * spacing;
+}
+
+/// How much a number changed at a change: its own step, or the medians before and after, no farther than the changes beside it.
+Shift shift_at(const Channel& c, std::size_t index, const Change& change, const std::vector<Change>& all,
+               double spacing) {
+  const double day = change.day;
+  double from = -std::numeric_limits<double>::infinity();
+  double to = -from;
+  for (const Change& other : all) {
+    if (other.day < day) from = std::max(from, other.day);
+    if (other.day > day) to = std::min(to, other.day);
+  }
   Shift s{index, 0.0, 0.0, false};
   std::vector<double> before, after;
   for (std::size_t i = 0; i < c.trend.values.size(); ++i) {
-    (c.readings[i].day < day ? before : after).push_back(c.trend.values[i]);
+    const double at = c.readings[i].day;
+    if (at < from || at >= to) continue;
+    (at < day ? before : after).push_back(c.trend.values[i]);
   }
   if (before.empty() || after.empty() || !c.trend.known()) return s;
   if (before.size() > kBeside) before.erase(before.begin(), before.end() - kBeside);
@@ -108,7 +135,7 @@ Shift shift_at(const Channel& c, std::size_t index, double day) {
   s.share = c.share(stats::median(after) - stats::median(before));
   s.deviation = c.share(kMedianSpread * c.trend.scatter * std::sqrt(1.0 / n + 1.0 / m));
   for (const Step& step : c.trend.steps) {
-    if (std::abs(step.day - day) > kSameChange) continue;
+    if (!is_of(change, step, spacing)) continue;
     s.share = c.share(step.change);
     s.deviation = c.share(step.half_width) / 1.96;
   }
@@ -137,10 +164,11 @@ void add_steps(Health& health) {
   }
   // The largest first: it gives the day of its change.
   std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.size > b.size; });
+  const double spacing = spacing_of(health.channels);
   for (const Found& found : all) {
     const Step& s = *found.step;
     const auto same = std::find_if(health.changes.begin(), health.changes.end(),
-                                   [&](const Change& c) { return std::abs(c.day - s.day) <= kSameChange; });
+                                   [&](const Change& c) { return is_of(c, s, spacing); });
     if (same == health.changes.end()) {
       Change change;
       change.day = s.day;
@@ -159,7 +187,7 @@ void add_steps(Health& health) {
   }
   for (Change& change : health.changes) {
     for (std::size_t i = 0; i < health.channels.size(); ++i)
-      change.shifts.push_back(shift_at(health.channels[i], i, change.day));
+      change.shifts.push_back(shift_at(health.channels[i], i, change, health.changes, spacing));
     judge(change, health.channels);
     if (change.restores) change.causes.clear();  // what was the cause of the earlier step is gone
   }

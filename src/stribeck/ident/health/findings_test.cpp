@@ -96,6 +96,26 @@ TEST(HealthFindings, StepsOfOneDayAreOneChange) {
   EXPECT_GT(health.changes[0].probability, 0.98);
 }
 
+// Six days apart: they were one change of one day, with the cause of the second alone.
+TEST(HealthFindings, TwoChangesInOneWeekAreTwo) {
+  Event first, both;
+  first.coulomb = both.coulomb = 1.25;
+  both.load = 20.0;
+  std::vector<HealthTest> tests = tests_with(first);
+  const std::vector<HealthTest> later = tests_with(both);
+  for (std::size_t d = 66; d < tests.size(); ++d) tests[d] = later[d];
+  const Health health = health_of(tests);
+  std::vector<const Change*> matter;
+  for (const Change& c : health.changes) {
+    if (c.matters()) matter.push_back(&c);
+  }
+  ASSERT_EQ(matter.size(), 2U);
+  EXPECT_NEAR(matter[0]->day, 60.0, 1.0);
+  EXPECT_EQ(matter[0]->causes.front().what, "tighter than before: preload, misalignment, wipers or chips");
+  EXPECT_NEAR(matter[1]->day, 66.0, 1.0);
+  EXPECT_EQ(matter[1]->causes.front().what.substr(0, 4), "load");
+}
+
 TEST(HealthFindings, SlowWearIsASlowChange) {
   std::vector<HealthTest> tests = tests_with({}, 200, 1000);
   for (std::size_t d = 50; d < tests.size(); ++d) {

@@ -218,12 +218,14 @@ Division divide(const Pieces& pieces, std::size_t n) {
   return out;
 }
 
-/// Probability of a border within a week of reading i, but at least at its neighbours; and where it lies.
-void locate(const std::vector<Reading>& readings, const std::vector<double>& probability, std::size_t i,
-            Step& step) {
+/// Probability of a border within a week of reading i, but at least at its neighbours, and no farther than half the way to the borders
+/// `before` and `behind` it; and where it lies.
+void locate(const std::vector<Reading>& readings, const std::vector<double>& probability, std::size_t before,
+            std::size_t i, std::size_t behind, Step& step) {
   constexpr double kWeek = 7.0;
   std::size_t low = i, high = i;
   const auto near = [&](std::size_t k) {
+    if (2 * k <= before + i || 2 * k >= i + behind) return false;  // nearer to another border
     return std::abs(readings[k].day - readings[i].day) <= kWeek || k + 2 == i || k == i + 2 || k + 1 == i ||
            k == i + 1;
   };
@@ -303,7 +305,7 @@ Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options
     step.change = fits[k].at(border) - fits[k - 1].at(border);
     const double deviation = std::sqrt(fits[k].variance_at(border) + fits[k - 1].variance_at(border));
     step.half_width = kTwoSided * deviation;
-    locate(readings, division.probability, begin, step);
+    locate(readings, division.probability, division.begins[k - 1], begin, end, step);
     if (step.probability < kSure || std::abs(step.change) < 3.0 * deviation) continue;
     step.beyond_limit = std::abs(step.change) >= options.step_limit * options.scale;
     out.steps.push_back(step);
