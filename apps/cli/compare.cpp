@@ -64,7 +64,9 @@ void write_traces(const std::string& folder, const sim::Machine& machine, const 
   std::size_t done = 0;
   for (const sim::CompareRow& row : result.rows) {
     sim::CompareSpec one = result.spec;
+    // The fastest travel bounds the tables of friction, on which the last nanometres depend.
     one.travels = {result.spec.travels[row.travel]};
+    one.travels.insert(one.travels.end(), result.spec.travels.begin(), result.spec.travels.end());
     one.controllers = {row.controller};
     for (std::uint32_t trial = 0; row.refused.empty() && trial < result.spec.trials; ++trial) {
       const sim::CompareResult run = sim::run_once(machine, parameters.knowledge, one, trial);

@@ -414,7 +414,10 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
     const Travel& travel = spec.travels.front();
     auto route = std::make_shared<const Route<kAxes>>(sample<kAxes>(travel, machine.sample_time));
     double fastest = 0.0;
-    for (const auto& p : route->points) fastest = std::max(fastest, norm(p.velocity));
+    for (const Travel& one : spec.travels) {
+      const Route<kAxes> sampled = sample<kAxes>(one, machine.sample_time);
+      for (const auto& p : sampled.points) fastest = std::max(fastest, norm(p.velocity));
+    }
     Drives drives(machine, axes, 1.05 * fastest);
     CompareRow row;
     row.controller = spec.controllers.front();

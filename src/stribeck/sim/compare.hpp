@@ -169,7 +169,7 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
                       const CompareSpec& spec,
                       const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// A single trial of the first controller on the first travel, as compare() runs it.
+/// A single trial of the first controller on the first travel, as compare() runs it; other travels count for the largest speed alone.
 CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                        const CompareSpec& spec, std::uint32_t trial);
 

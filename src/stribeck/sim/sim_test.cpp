@@ -324,5 +324,24 @@ TEST(ParallelFor, RunsEveryJobOnceAndPassesTheFirstErrorOn) {
       ThrowsMessage<std::runtime_error>(HasSubstr("three")));
 }
 
+// The slow travel alone has tables of friction that end at a lower speed, and another number of sub-steps: its trace was 9 nm off.
+TEST(Compare, ASingleTrialIsThatOfTheComparisonToTheLastBit) {
+  const Machine machine = test::biaxial_table();
+  CompareSpec spec = test::bi_table();
+  spec.controllers = {biaxial_controllers()[5]};
+  spec.trials = 2;
+  const CompareResult all = compare(machine, test::printed(), spec);
+  for (std::size_t t = 0; t < spec.travels.size(); ++t) {
+    CompareSpec one = spec;
+    one.travels.insert(one.travels.begin(), spec.travels[t]);
+    for (std::uint32_t trial = 0; trial < spec.trials; ++trial) {
+      const CompareRow row = run_once(machine, test::printed(), one, trial).rows.front();
+      EXPECT_EQ(row.mean.max_contour_error, all.rows[t].trials[trial].max_contour_error) << t;
+      EXPECT_EQ(row.mean.rms, all.rows[t].trials[trial].rms) << t;
+      EXPECT_EQ(row.substeps, all.rows[t].substeps);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::sim::sim_test
