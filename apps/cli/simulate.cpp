@@ -126,6 +126,8 @@ int simulate(const SimulateCommand& o) {
   check_distinct(inputs_of(o), {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.path.run.experiment.empty())
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
+  if (o.reference.empty() && !o.axis.empty())
+    refuse_option("--axis", "goes with --reference; --axes chooses the axes of a path");
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.output);
   const sim::Machine machine =
@@ -153,7 +155,8 @@ void add_simulate(CLI::App& app, Action& action) {
   verb->add_option("--experiment", o->path.run.experiment,
                    "Path, gains and controllers of an experiment of compare")
       ->check(one_of(ids));
-  verb->add_option("--speed", o->path.run.speed, "Speed along the path; left out: 9.5 mm/s")
+  verb->add_option("--speed", o->path.run.speed,
+                   "Speed along the path; left out: 9.5 mm/s, on a machine of your own by its limits")
       ->type_name("SPEED");
   add_path_options(*verb, o->path.run.path);
   verb->add_option("--trial", o->path.trial,

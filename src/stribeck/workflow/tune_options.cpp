@@ -46,6 +46,11 @@ sim::ControllerSpec renamed(sim::ControllerSpec c) {
   constexpr std::string_view kId = "-tuned";
   constexpr std::string_view kLabel = ", tuned";
   if (!c.id.ends_with(kId)) c.id = c.id.substr(0, 16 - kId.size()).append(kId);
+  // Poles that a label names are those of the gains before.
+  if (const auto pole = c.label.find(" pole"); pole != std::string::npos) {
+    const auto comma = c.label.rfind(',', pole);
+    if (comma != std::string::npos && comma > 0) c.label.resize(comma);
+  }
   if (!c.label.ends_with(kLabel) && c.label.size() + kLabel.size() <= 60) c.label += kLabel;
   return c;
 }

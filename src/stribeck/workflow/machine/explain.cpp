@@ -34,6 +34,7 @@ class Explanation {
   ExplainedAxis made() {
     limits();
     drive();
+    drive_loop();
     known();
     proposals();
     lacks();
@@ -146,6 +147,34 @@ class Explanation {
                       significant(step / period_ * u_.per_metre, 3), u_.travel));
       out_.numbers["encoder_resolution_um"] = step * 1e6;
     }
+  }
+
+  /// The loop that the drive closes itself, as a controller is told it.
+  void drive_loop() {
+    const friction::DriveLoop* simulated =
+        a_.plant && a_.plant->drive_loop ? &a_.plant->drive_loop->loop : nullptr;
+    const friction::DriveLoop* told = a_.drive_loop ? &*a_.drive_loop : simulated;
+    if (told == nullptr) return;
+    constexpr double kSame = 0.05;  // of the gain
+    const bool position = told->mode == friction::DriveMode::kPosition;
+    const double bandwidth = told->gain / (2.0 * kPi * a_.commissioning.mass.middle());
+    std::string note = fmt::format("with the {} below its velocity loop reaches about {} Hz", mass_word(),
+                                   significant(bandwidth, 2));
+    if (told->integral_time)
+      note += fmt::format(", integral time {} ms", significant(1e3 * *told->integral_time, 4));
+    if (position && told->position_gain)
+      note += fmt::format(", Kv {} 1/s = {} (m/min)/mm", significant(*told->position_gain, 4),
+                          significant(0.06 * *told->position_gain, 4));
+    if (simulated != nullptr &&
+        (simulated->mode != told->mode || std::abs(simulated->gain - told->gain) > kSame * simulated->gain))
+      note += fmt::format(
+          "; plant.drive_loop has another loop, {} with a gain of {} N s/m: controllers would be told this one, and drive that one",
+          enum_name(simulated->mode), significant(simulated->gain, 4));
+    add("drive loop",
+        fmt::format("{}, {} {}s/{}", position ? "position" : "velocity", significant(told->gain, 4),
+                    a_.rotary ? "N m " : "N ", a_.rotary ? "rad" : "m"),
+        note);
+    out_.numbers["drive_loop_bandwidth_Hz"] = bandwidth;
   }
 
   void known() {

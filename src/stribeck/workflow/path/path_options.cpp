@@ -95,14 +95,16 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vec
     speed = std::min(speed, kShareOfSpeed * l.speed);
     acceleration = std::min(acceleration, kShareOfAcceleration * l.acceleration);
   }
-  radius =
-      o.size.empty() ? rounded_down(radius) : option_si("--size", o.size, quantity("m", "mm").positive());
+  const bool turns =
+      std::all_of(axes.begin(), axes.end(), [&](std::size_t i) { return machine.axes[i].second.rotary; });
+  radius = o.size.empty() ? rounded_down(radius)
+                          : travel_si("--size", o.size, quantity("m", "mm").positive(), turns);
   // The run-in of a second reaches the speed with at most 1.875 times its mean acceleration.
   const double fast = rounded_down(std::min({speed, std::sqrt(acceleration * radius), acceleration}));
   std::vector<double> all{rounded_down(kSlow * fast), fast};
   if (!speeds.empty()) all.clear();
   for (const std::string& text : speeds)
-    all.push_back(option_si("--speed", text, quantity("m/s", "mm/s").positive()));
+    all.push_back(travel_si("--speed", text, quantity("m/s", "mm/s").positive(), turns));
   std::vector<sim::Travel> travels;
   for (const double v : all) {
     sim::Travel t;

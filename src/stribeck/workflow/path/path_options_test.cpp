@@ -82,6 +82,24 @@ TEST(PathOptions, ARunOnOneAxisIsThatOfCompare) {
   ASSERT_EQ(run.controllers.size(), 1U);
 }
 
+// With the radius, the speeds and the gains of compare: it had those of the biaxial table.
+TEST(PathOptions, ARunOfAMachineOfOnesOwnIsThatOfCompare) {
+  const std::string file = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/gantry-virtual.toml";
+  const sim::Machine machine = read_virtual_machine(file);
+  const sim::CompareSpec compared = experiment_spec(kOwn, {}, {"20 mm/s"}, machine, file);
+  SingleRunOptions one;
+  one.speed = "20 mm/s";
+  one.controller = "a";
+  const sim::CompareSpec run = single_run(one, {}, machine, file);
+  EXPECT_EQ(run.travels.front().name, compared.travels.front().name);
+  EXPECT_EQ(run.travels.front().speed, 20e-3);
+  EXPECT_EQ(run.axes, compared.axes);
+  const auto pole = [](const sim::ControllerSpec& c) {
+    return std::get<control::ContouringParams>(c.law).kp[0];
+  };
+  EXPECT_EQ(pole(run.controllers.front()), pole(compared.controllers.front()));
+}
+
 // Millimetres and milliradians make no circle.
 TEST(PathOptions, TheAxesOfAMotionAreChosen) {
   sim::Machine machine = mill();

@@ -11,10 +11,11 @@ namespace stribeck::workflow {
 sim::CompareSpec single_run(const SingleRunOptions& o, const ParameterOptions& parameters,
                             const sim::Machine& machine, const std::string& machine_file) {
   sim::CompareSpec spec;
-  if (o.experiment.empty() && machine.axes.size() == 1 && !is_file(o.path)) {
-    // The circle of the options needs two axes.
-    std::vector<std::string> speeds;
-    if (!o.speed.empty()) speeds.push_back(o.speed);
+  std::vector<std::string> speeds;
+  if (!o.speed.empty()) speeds.push_back(o.speed);
+  const bool own = o.experiment.empty() && default_experiment(machine, o.path, speeds) == kOwn;
+  if (own || (o.experiment.empty() && machine.axes.size() == 1 && !is_file(o.path))) {
+    // The motion of compare: the circle of the options needs two axes, and the gains of the biaxial table.
     const std::string experiment = default_experiment(machine, o.path, speeds);
     if (experiment != kOwn && (!speeds.empty() || !(o.path == PathOptions{})))
       refuse_option(

@@ -57,11 +57,23 @@ std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
   double omega = INFINITY;
   for (const std::size_t i : plan.spec.axes)
     omega = std::fmin(omega, plan.machine.axes[i].second.commissioning.omega);
-  return fmt::format(
+  const bool hangs = std::any_of(plan.spec.axes.begin(), plan.spec.axes.end(), [&](std::size_t i) {
+    const sim::MachineAxis& axis = plan.machine.axes[i].second;
+    const auto& terms = axis.plant.friction.eccentric;
+    return axis.rotary && std::any_of(terms.begin(), terms.end(), [](const auto& t) {
+             return t.form == friction::EccentricForm::kAdditive && std::abs(t.period - 2.0 * kPi) < 1e-3;
+           });
+  });
+  std::string words = fmt::format(
       "(a) is the law of the other controllers without compensation, {}; it is not the loop that your control has: to see what that one leaves, "
       "copy controllers/cascade.toml (P control of position around PI control of velocity), enter its gains, and give it as --controller",
       o.path.omega_n.empty() ? fmt::format("with poles of {:.3g} rad/s, a rule for recording", omega)
                              : "with your poles");
+  if (hangs)
+    words +=
+        "; without a friction model (a) and (d) know nothing of the unbalance either, and the error of (a) is in part the sag under it, which an "
+        "integral part would take away";
+  return words;
 }
 
 }  // namespace
