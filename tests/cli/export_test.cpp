@@ -673,7 +673,7 @@ TEST(Evaluate, CausesOfTheError) {
   const Said together = command(words);
   ASSERT_EQ(together.code, 0) << together.err;
   EXPECT_THAT(together.out, AllOf(HasSubstr("Causes of all logs together"),
-                                  HasSubstr("Next: check coupling, nut and bearings")));
+                                  HasSubstr("Next: do not enter it as backlash")));
   json = nlohmann::json::parse(text_of(f / "e.json"));
   EXPECT_TRUE(json["logs"][0]["diagnosis"].is_null());
   const auto& cause = json["diagnosis"]["causes"][0];

@@ -297,7 +297,9 @@ const drawAll = () => {
   byId('warnings').replaceChildren(...(w.length === 0 ? [] : [element('div', {class: 'warnings'}, element('ul', {}, w.map((text) => element('li', {text}))))]));
   byId('made').textContent = `Compensators: ${answer.parameters}. Simulated in ${shown(answer.simulated_in_ms, 2)} ms` +
     (answer.identified_in_ms > 20 ? `, identified in ${shown(answer.identified_in_ms / 1e3, 2)} s.` : '.') +
-    (answer.command ? ' The same by the command:' : ' Save the changed machine file to repeat it with the command.');
+    (answer.command ? ' The same by the command:' : byId('identify-changed').checked
+      ? ' Save the changed machine file to repeat it with the command.'
+      : ' These controllers know the machine as its file has it. compare on the saved machine file identifies the changed machine: tick Identify the changed machine to see that here.');
   byId('command').hidden = !answer.command;
   byId('command').textContent = answer.command || '';
 };

@@ -64,6 +64,7 @@ void note_other_length(const Track& t, double radius, std::vector<std::string>& 
 circle::CircleMotion motion_of(const Track& t, double radius) {
   circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
   motion.axes = t.axes;
+  motion.scale = t.scale;
   motion.ball_bar = t.ball_bar;
   if (t.ball_bar) note_other_length(t, radius, motion.notes);
   for (circle::CircleRun& run : motion.runs) {

@@ -333,6 +333,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
                     (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration->amplitude);
     Cause c;
     c.kind = CauseKind::kVibration;
+    c.axis = vibration->axis;
     c.size = vibration->amplitude;
     c.half_width = vibration->half_width;
     c.effect = 2.0 * vibration->amplitude;
@@ -344,11 +345,21 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window();
   out.both_directions = f.rows.both_directions;
+  out.own_encoder = std::all_of(motions.begin(), motions.end(),
+                                [](const CircleMotion& m) { return m.commanded && !m.ball_bar && !m.scale; });
   const auto [low, high] =
       std::minmax_element(f.rows.rows.begin(), f.rows.rows.end(),
                           [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });
   out.span = high->error - low->error;
   return out;
+}
+
+CauseWords words_of(const Diagnosis& d, CauseKind kind) {
+  if (kind != CauseKind::kBacklash || !d.own_encoder) return words_of(kind);
+  return {
+      "the position stays behind its command by this distance after each reversal: friction that the loop lets through, or play where its encoder is a scale at the table; negative: its compensation pushes too far",
+      "do not enter it as backlash: identify the friction (stribeck identify) and compensate it, or give the loop more gain or integral action; measure play with a ball-bar, an indicator or a scale",
+      true};
 }
 
 CauseWords words_of(CauseKind kind) {
@@ -361,7 +372,7 @@ CauseWords words_of(CauseKind kind) {
     case CauseKind::kBacklash:
       return {
           "the slide follows the drive late by this distance after each reversal, beside what is compensated; negative: it is compensated too much",
-          "check coupling, nut and bearings for play; then add this value to the backlash compensation that is set (a negative one lowers it)",
+          "check coupling, nut and bearings for play, and the positions of the control: what they show too is friction that the loop lets through; then add this value to the backlash compensation that is set (a negative one lowers it)",
           true};
     case CauseKind::kLateralPlay:
       return {"the slide moves sideways when it reverses",

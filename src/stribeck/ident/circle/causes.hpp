@@ -73,6 +73,7 @@ struct Cause {
 
 struct Diagnosis {
   AxisNames axes{"x", "y"};
+  bool own_encoder = false;   ///< positions of a control beside its commands, of no scale that is known
   std::vector<Cause> causes;  ///< found ones first, largest effect first
   std::vector<QuadrantPeak> peaks;
   std::vector<std::string> remarks;  ///< what these measurements cannot tell apart
@@ -92,6 +93,8 @@ struct CauseWords {
   bool parameter = false;
 };
 CauseWords words_of(CauseKind kind);
+/// The same for what was measured: play is not seen by the motor's own encoder, friction of a soft loop is.
+CauseWords words_of(const Diagnosis& diagnosis, CauseKind kind);
 
 }  // namespace stribeck::ident::circle
 

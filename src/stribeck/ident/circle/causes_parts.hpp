@@ -124,7 +124,9 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
                                          const Windows& windows, const std::array<Crossing, 2>& crossing);
 
 struct Vibration {
-  double amplitude = 0.0;  ///< [m]
+  std::optional<int>
+      axis;  ///< that vibrates alone, as far as the change of the amplitude around the circle tells
+  double amplitude = 0.0;  ///< of that axis; else of the radius, mean over the circle [m]
   double half_width = 0.0;
   double frequency = 0.0;  ///< [Hz]
   double frequency_half_width = 0.0;

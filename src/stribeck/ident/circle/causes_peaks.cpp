@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
 #include <stribeck/ident/stats/linear.hpp>
@@ -27,10 +28,14 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
   const auto group = [&](const CauseRow& row) {
     return std::isfinite(row.feed) ? std::round(20.0 * std::log(row.feed)) : 0.0;
   };
-  std::map<PeakPlace, std::map<std::pair<int, long>, std::vector<double>>> passings;
+  using Passing = std::pair<int, long>;  // run and quarter
+  std::map<PeakPlace, std::map<Passing, std::vector<double>>> passings;
+  std::set<Passing>
+      begins;  // quarters in which a run begins: whether the axis has reversed there is not seen
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const CauseRow& row = rows.rows[i];
     const auto quarter = static_cast<long>(std::floor(row.direction * row.angle / (0.5 * kPi)));
+    if (i == 0 || row.run != rows.rows[i - 1].run) begins.insert({row.run, quarter});
     auto& lap = passings[{-row.direction, group(row), last_border(row)}][{row.run, quarter}];
     if (lap.empty()) lap.assign(cells, none);
     lap[std::min(static_cast<std::size_t>(after_reversal(row) / rows.step), cells - 1)] = rest[i];
@@ -39,7 +44,11 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
   for (const auto& [place, laps] : passings) {
     Profile& p = out[place];
     p.mean.assign(cells, none);
-    for (const auto& [which, lap] : laps) p.by_lap.push_back(lap);
+    for (const bool all : {false, true}) {
+      if (!p.by_lap.empty()) break;  // a passing at a begin counts where there is no other
+      for (const auto& [which, lap] : laps)
+        if (all || !begins.contains(which)) p.by_lap.push_back(lap);
+    }
     for (std::size_t k = 0; k < cells; ++k) {
       double sum = 0.0;
       int count = 0;

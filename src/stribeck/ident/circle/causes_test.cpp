@@ -104,6 +104,34 @@ TEST(Causes, ABroadSpikeIsNoBacklash) {
   EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
 }
 
+// A record of two laps that begins on a quadrant, at rest: there the axis has not reversed in the first lap, and the mean of both laps
+// had half of the spike.
+TEST(Causes, TheBeginOfARunIsNoReversal) {
+  VirtualMachine m;
+  m.spike[0] = 20e-6;
+  std::mt19937_64 random(19);
+  const VirtualRecord whole = travel(m, kFeed, 3.0, random);
+  VirtualRecord r;
+  // From 0 degrees on in each direction, without what the reversal there does.
+  bool started = false;
+  double begin = 0.0;
+  for (std::size_t i = 0; i < whole.x.size(); ++i) {
+    started = started && whole.t[i] - whole.t[i - 1] < 0.5;
+    if (!started && std::abs(std::atan2(whole.cy[i], whole.cx[i])) > 0.5 * kPi / 180.0) continue;
+    if (!started) begin = whole.t[i];
+    started = true;
+    r.t.push_back(whole.t[i]), r.cx.push_back(whole.cx[i]), r.cy.push_back(whole.cy[i]);
+    r.x.push_back(whole.t[i] - begin < 1.0 ? whole.cx[i] : whole.x[i]), r.y.push_back(whole.y[i]);
+  }
+  const auto d = diagnose({r.motion(m.radius)});
+  ASSERT_TRUE(d);
+  for (const QuadrantPeak& p : d->peaks) {
+    if (p.axis == 0) {
+      EXPECT_NEAR(p.height, 20e-6, 1e-6) << p.angle << ' ' << p.counter_clockwise;
+    }
+  }
+}
+
 // 220 degrees of the circle, in both directions and at two feeds: what they hold is found, with wider intervals.
 TEST(Causes, OfArcs) {
   VirtualMachine m;
@@ -180,6 +208,22 @@ TEST(Causes, AVibrationIsNoSpike) {
 }
 
 // A quarter of this circle has 390 rows, and 78 at a fifth of the rate.
+// In the radius an axis that vibrates alone shows its amplitude where it points outwards, and none where it goes along the circle.
+TEST(Causes, AVibrationOfOneAxisHasItsNameAndAmplitude) {
+  for (const int axis : {-1, 0, 1}) {
+    VirtualMachine m;
+    m.vibration = 1e-6;
+    m.vibration_axis = axis;
+    m.noise = 0.2e-6;
+    const Diagnosis d = diagnosis_of(m, {kFeed});
+    const auto vibration = std::find_if(d.causes.begin(), d.causes.end(),
+                                        [](const Cause& c) { return c.kind == CauseKind::kVibration; });
+    ASSERT_NE(vibration, d.causes.end()) << axis;
+    EXPECT_EQ(vibration->axis.value_or(-1), axis);
+    EXPECT_NEAR(vibration->size, 1e-6, 0.1e-6) << axis;
+  }
+}
+
 TEST(Causes, AVibrationOnAShortQuarter) {
   VirtualMachine m;
   m.radius = 0.02;
@@ -346,6 +390,25 @@ TEST(Causes, NoneOfFewRows) {
   const CircleMotion m = circle_motion({x, y, {}, {}}, {}, 0.1);
   ASSERT_EQ(m.runs.size(), 1U);
   EXPECT_FALSE(diagnose({m}).has_value());
+}
+
+// A soft loop under friction looks the same, and its own encoder sees no play.
+TEST(Causes, BacklashInPositionsOfALoopIsNotToBeTypedIn) {
+  VirtualMachine m;
+  m.backlash[0] = 8e-6;
+  std::mt19937_64 random(19);
+  const VirtualRecord r = travel(m, kFeed, 1.3, random);
+  CircleMotion motion = r.motion(m.radius);
+  const auto next_step = [](const CircleMotion& one) {
+    const auto d = diagnose({one});
+    return std::string(words_of(d.value(), CauseKind::kBacklash).next_step);
+  };
+  EXPECT_THAT(next_step(motion), HasSubstr("do not enter it as backlash"));
+  motion.scale = true;
+  EXPECT_THAT(next_step(motion), HasSubstr("then add this value to the backlash compensation"));
+  motion.scale = false;
+  motion.ball_bar = true;
+  EXPECT_THAT(next_step(motion), HasSubstr("then add this value to the backlash compensation"));
 }
 
 TEST(Causes, EachHasANextStep) {

@@ -107,6 +107,36 @@ Pieces pieces(const CircleRun& run, double window) {
   return {};
 }
 
+/// One axis alone: in the radius its amplitude goes with |cos θ| of x, |sin θ| of y. `powers` are squared amplitudes of the pieces.
+void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std::size_t segment,
+               const std::vector<double>& powers, Vibration& v) {
+  constexpr double kAlone = 0.15;  // of the square of the other
+  constexpr double kSure = 3.0;    // standard deviations
+  const auto n = static_cast<Eigen::Index>(powers.size());
+  Eigen::MatrixXd X(n, 2);
+  Eigen::VectorXd y(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    double x_part = 0.0;
+    for (std::size_t i = first[static_cast<std::size_t>(k)]; i < first[static_cast<std::size_t>(k)] + segment;
+         ++i)
+      x_part += std::pow(std::cos(run.angle[i]), 2) / static_cast<double>(segment);
+    X.row(k) << x_part, 1.0 - x_part;
+    y(k) = powers[static_cast<std::size_t>(k)];
+  }
+  const Eigen::Matrix2d normal = X.transpose() * X;
+  if (n < 4 || !(normal.determinant() > 1e-6 * normal.squaredNorm())) return;
+  const Eigen::Matrix2d inverse = normal.inverse();
+  const Eigen::Vector2d square = inverse * (X.transpose() * y);
+  const double variance = (y - X * square).squaredNorm() / static_cast<double>(n - 2);
+  const int axis = square(0) >= square(1) ? 0 : 1;
+  const double own = square(axis), other = square(1 - axis);
+  const double deviation = std::sqrt(variance * (inverse(0, 0) + inverse(1, 1) - 2.0 * inverse(0, 1)));
+  if (!(own > 0.0) || !(other < kAlone * own) || !(own - other > kSure * deviation)) return;
+  v.axis = axis;
+  v.amplitude = std::sqrt(own);
+  v.half_width = 1.96 * std::sqrt(variance * inverse(axis, axis)) / (2.0 * v.amplitude);
+}
+
 /// The strongest line of one run.
 std::optional<Vibration> vibration_of(const CircleRun& run, int log, double window,
                                       const Explained& explained) {
@@ -118,8 +148,11 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
   if (all.empty()) return std::nullopt;
   const std::size_t skip = (all.size() + kMostPieces - 1) / kMostPieces;
   std::vector<std::vector<double>> squares;
-  for (std::size_t k = 0; k < all.size(); k += skip)
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < all.size(); k += skip) {
+    used.push_back(all[k]);
     squares.push_back(lines_of(tapered(run, log, all[k], segment, explained)));
+  }
   std::vector<double> mean(segment / 2, 0.0);
   for (const auto& one : squares) {
     for (std::size_t line = 0; line < mean.size(); ++line)
@@ -158,6 +191,9 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
   double strays = 0.0;
   for (const auto& one : squares) strays += (between(one) - offset) * (between(one) - offset);
   v.frequency = (static_cast<double>(line) + offset) * per_line;
+  std::vector<double> powers;
+  for (const auto& one : squares) powers.push_back(power(one));
+  tell_axis(run, used, segment, powers, v);
   v.frequency_half_width = 1.96 * per_line * std::sqrt(strays / (pieces_used * (pieces_used - 1.0)));
   return v;
 }

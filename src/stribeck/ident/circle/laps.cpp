@@ -355,12 +355,14 @@ void note_outliers(const CircleSamples& s, const CircleRun& run, std::vector<std
   constexpr double kOfSpan = 0.3;
   constexpr double kScatter = 30.0;
   constexpr std::size_t kMost = 3;
+  constexpr double kOfReversal = 3.0 * kPi / 180.0;  // a spike may be as narrow as a row of a coarse table
   const std::size_t n = run.error.size();
   if (n < CircleTest::kFewest) return;
   std::vector<double> apart(n, 0.0);
   for (std::size_t i = 2; i + 2 < n; ++i) {
     const double before = 0.5 * (run.error[i - 2] + run.error[i - 1]);
     const double behind = 0.5 * (run.error[i + 1] + run.error[i + 2]);
+    if (std::abs(std::remainder(run.angle[i], 0.5 * kPi)) < kOfReversal) continue;
     apart[i] = std::min(std::abs(run.error[i] - before), std::abs(run.error[i] - behind));
   }
   const auto [low, high] = std::minmax_element(run.error.begin(), run.error.end());
@@ -372,7 +374,7 @@ void note_outliers(const CircleSamples& s, const CircleRun& run, std::vector<std
   if (out.empty() || out.size() > kMost) return;
   for (const std::size_t i : out)
     notes.push_back(fmt::format(
-        "row {} stands out of its neighbours by {:.3g} um, and the largest errors and G are those of this row (if the "
+        "row {} stands out of its neighbours by {:.3g} um, and the largest error or G may be those of this row (if the "
         "record is at fault there, take the row out)",
         s.row_of(run.first + i), apart[i] * 1e6));
 }

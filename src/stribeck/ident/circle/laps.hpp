@@ -42,6 +42,7 @@ struct CircleMotion {
   double centre_x = 0.0;
   double centre_y = 0.0;
   bool commanded = false;    ///< the centre is that of the command
+  bool scale = false;        ///< set by the caller: the positions are those of scales at the table
   bool arcs = false;         ///< no run is a whole revolution
   bool ball_bar = false;     ///< set by the caller: distances from the centre alone are measured
   double longest_arc = 0.0;  ///< in one direction [rad]

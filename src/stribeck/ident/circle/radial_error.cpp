@@ -203,6 +203,9 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     t.error.push_back(std::hypot(x, y) - radius);
     seen[std::min(static_cast<std::size_t>(t.angle[i] / (2.0 * kPi) * kSectors), kSectors - 1)] = true;
   }
+  const auto [inside, outside] = std::minmax_element(t.error.begin(), t.error.end());
+  const double most = std::max(-*inside, *outside);
+  if (most > kRadius * radius) refuse("rows up to ", most * 1e3, " mm off a circle of ", radius * 1e3, " mm");
   const Turned turned = turned_about(s, s.x, s.y, {t.centre_x, t.centre_y});
   const double all = std::abs(turned.angle.back());
   t.counter_clockwise = turned.angle.back() > 0.0;

@@ -26,6 +26,7 @@ struct VirtualMachine {
   double larger = 0.0;                // [m]
   double vibration = 0.0;             // [m]
   double vibration_frequency = 37.0;  // [Hz]
+  int vibration_axis = -1;            // 0 x, 1 y; −1: in the radius
   double offset[2] = {0.0, 0.0};      // of the instrument [m]
   double drift[2] = {0.0, 0.0};       // of it [m/s]
   double noise = 0.1e-6;              // of each sample [m]
@@ -97,11 +98,13 @@ inline VirtualRecord travel(const VirtualMachine& m, double feed, double turns, 
       p[1] += side[0];
       const double x = p[0] + m.tilt * p[1] + m.bow[0] * std::pow(p[1] / m.radius, 2);
       const double y = p[1] + m.bow[1] * std::pow(p[0] / m.radius, 2);
-      const double more = m.larger + m.noise * normal(random) +
-                          m.vibration * std::sin(2.0 * kPi * m.vibration_frequency * t + hum);
+      const double vibration = m.vibration * std::sin(2.0 * kPi * m.vibration_frequency * t + hum);
+      const double more = m.larger + m.noise * normal(random) + (m.vibration_axis < 0 ? vibration : 0.0);
       out.t.push_back(t);
-      out.x.push_back(x + m.offset[0] + m.drift[0] * t + more * std::cos(angle));
-      out.y.push_back(y + m.offset[1] + m.drift[1] * t + more * std::sin(angle));
+      out.x.push_back(x + m.offset[0] + m.drift[0] * t + more * std::cos(angle) +
+                      (m.vibration_axis == 0 ? vibration : 0.0));
+      out.y.push_back(y + m.offset[1] + m.drift[1] * t + more * std::sin(angle) +
+                      (m.vibration_axis == 1 ? vibration : 0.0));
       out.cx.push_back(command[0]);
       out.cy.push_back(command[1]);
     }

@@ -33,9 +33,9 @@ std::string share_of(const Cause& c) {
   return c.kind == CauseKind::kCentre ? "set-up" : decimals(100.0 * c.share, 0) + " %";
 }
 
-std::string cured(const Cause& c) {
+std::string cured(const Diagnosis& d, const Cause& c) {
   if (c.kind == CauseKind::kCentre) return "no fault";
-  return words_of(c.kind).parameter ? "yes" : "no";
+  return words_of(d, c.kind).parameter ? "yes" : "no";
 }
 
 /// "reversal spike y (3.93 µm) and backlash x (2.00 µm)" of the first causes that are not the set-up, with their effects.
@@ -75,7 +75,7 @@ std::string next_step(const Diagnosis& d, const Cause& c) {
   const bool open = c.kind == CauseKind::kBacklash || c.kind == CauseKind::kSquareness ||
                     c.kind == CauseKind::kScaleMismatch || c.kind == CauseKind::kStraightness ||
                     c.kind == CauseKind::kCyclic;
-  const std::string next(words_of(c.kind).next_step);
+  const std::string next(words_of(d, c.kind).next_step);
   return open && !d.both_directions ? "measure the other direction too, then " + next : next;
 }
 
@@ -88,7 +88,7 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
     std::size_t k = 0;
     for (const std::string& entry :
          {cause_name(d, c), micrometres(c.size), significant(c.half_width * kMicro, 2), micrometres(c.effect),
-          share_of(c), cured(c)})
+          share_of(c), cured(d, c)})
       columns[k++].entries.push_back(entry);
   }
   if (columns[0].entries.empty()) {
@@ -100,7 +100,7 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
         micrometres(d.span), micrometres(d.rest_rms));
     for (const Cause& c : d.causes) {
       if (!c.found) continue;
-      const auto words = words_of(c.kind);
+      const auto words = words_of(d, c.kind);
       const std::string figures = printed_figures(c);
       out += fmt::format("{}: {}{}. Next: {}.\n", cause_name(d, c), words.meaning,
                          figures.empty() ? "" : " (" + figures + ")", next_step(d, c));
@@ -128,11 +128,11 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
                    {"what to do", "", false}};
   for (const Cause& c : d.causes) {
     if (!c.found) continue;
-    const auto words = words_of(c.kind);
+    const auto words = words_of(d, c.kind);
     table.rows.push_back(
         {Cell{.text = cause_name(d, c), .best = table.rows.empty()},
          Cell{.text = micrometres(c.size), .spread = "± " + significant(c.half_width * kMicro, 2)},
-         Cell{.text = micrometres(c.effect)}, Cell{.text = share_of(c)}, Cell{.text = cured(c)},
+         Cell{.text = micrometres(c.effect)}, Cell{.text = share_of(c)}, Cell{.text = cured(d, c)},
          Cell{.text = printed_figures(c)},
          Cell{.text = next_step(d, c), .note = std::string(words.meaning)}});
   }
@@ -172,7 +172,7 @@ nlohmann::ordered_json causes_json(const Diagnosis& d, double radius) {
   out["causes"] = io::Json::array();
   int place = 0;
   for (const Cause& c : d.causes) {
-    const auto words = words_of(c.kind);
+    const auto words = words_of(d, c.kind);
     io::Json one{{"cause", enum_name(c.kind)},
                  {"axis", c.axis ? io::Json(d.axes[static_cast<std::size_t>(*c.axis)]) : io::Json(nullptr)},
                  {"found", c.found},
@@ -185,7 +185,7 @@ nlohmann::ordered_json causes_json(const Diagnosis& d, double radius) {
                  {"share", io::number_or_null(c.share)},
                  {"figures", io::Json::array()},
                  {"meaning", words.meaning},
-                 {"next_step", words.next_step},
+                 {"next_step", next_step(d, c)},
                  {"parameter_cures", words.parameter}};
     for (const Cause::Figure& f : c.figures)
       one["figures"].push_back({{"name", f.name},

@@ -231,13 +231,14 @@ nlohmann::ordered_json changes_json(const CircleReportInput& input) {
 std::string limits_text(const CircleReportInput& input) {
   std::string out;
   for (const CircleVerdict& v : circle_verdicts(input)) {
-    out += fmt::format(
-        "{}: {} {} of {}, limit {} µm{}\n",
-        v.passed() ? "passed"
-        : v.before ? "above"
-                   : "FAILED",
-        clean_text(v.label), v.figure, std::isfinite(v.value) ? micrometres(v.value) + " µm" : "not measured",
-        micrometres(v.most), v.before ? " (the others are compared with it: it does not decide)" : "");
+    out += fmt::format("{}: {} {} {}, limit {} µm{}\n",
+                       v.passed() ? "passed"
+                       : v.before ? "above"
+                                  : "FAILED",
+                       clean_text(v.label), v.figure,
+                       std::isfinite(v.value) ? "of " + micrometres(v.value) + " µm" : "was not measured",
+                       micrometres(v.most),
+                       v.before ? " (the others are compared with it: it does not decide)" : "");
   }
   return out;
 }

@@ -108,7 +108,7 @@ TEST(CircleLimits, JudgeEveryFigureOfEveryLog) {
   EXPECT_EQ(passed, (std::vector<bool>{false, true, false, false, true, true, false, false}));
   EXPECT_THAT(limits_text(input),
               HasSubstr("above: before G of 11.00 µm, limit 5.00 µm (the others are compared"));
-  EXPECT_THAT(limits_text(input), HasSubstr("FAILED: after G(b) of not measured, limit 9.00 µm\n"));
+  EXPECT_THAT(limits_text(input), HasSubstr("FAILED: after G(b) was not measured, limit 9.00 µm\n"));
   EXPECT_TRUE(limits_json(input)[3]["value_um"].is_null());
   const std::string page = circle_report(input);
   EXPECT_THAT(page, HasSubstr("Failed: 2 of 4 figures are beyond their limits or not measured."));

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
 #include <stribeck/ident/circle/laps.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
@@ -40,6 +42,7 @@ void CircleTrack::append(const CircleTrack& from, std::size_t at) {
 CircleTrack CircleTrack::empty_copy() const {
   CircleTrack copy;
   copy.axes = axes;
+  copy.scale = scale;
   copy.ball_bar = ball_bar;
   copy.feed = feed;
   return copy;
@@ -79,7 +82,8 @@ CircleMap circle_map(const std::vector<std::string>& texts) {
 
 namespace {
 
-/// Radius of the circle that a track goes round, from the box round it; absent where there is none.
+/// Radius of the circle that a track goes round, from the box round it, or where there is none of the least-squares circle of all rows;
+/// absent for a line.
 std::optional<double> radius_of(const CircleTrack& t) {
   constexpr int kPasses = 3;
   const bool commanded = !t.rx.empty();
@@ -91,7 +95,13 @@ std::optional<double> radius_of(const CircleTrack& t) {
   for (int pass = 0; pass < kPasses; ++pass) {
     if (!(radius > 0.0)) return std::nullopt;
     const ident::circle::CircleMotion motion = ident::circle::circle_motion(t.samples(), t.t, radius);
-    if (motion.runs.empty()) return std::nullopt;
+    if (motion.runs.empty()) {
+      try {
+        return ident::circle::least_squares_circle(commanded ? t.rx : t.x, commanded ? t.ry : t.y).radius;
+      } catch (const std::invalid_argument&) {
+        return std::nullopt;
+      }
+    }
     std::vector<double> x, y;
     for (const ident::circle::CircleRun& run : motion.runs) {
       for (std::size_t i = run.first; i < run.last; ++i) {
@@ -145,11 +155,17 @@ CircleRadius circle_radius(const std::vector<io::Log>& logs, const CircleMap& ma
                             "\"100 mm\", with your value)"});
   }
   if (logs.empty()) return {kUsualRadius};
-  if (ball_bar_columns(logs.front(), map)) return {kUsualRadius};
-  const CircleTrack track = circle_track(logs.front(), map, kUsualRadius);
-  const bool commanded = !track.rx.empty();
-  const std::optional<double> found = radius_of(track);
-  if (!found) return {kUsualRadius};
+  bool commanded = false;
+  std::optional<double> found;
+  if (const auto bar = ball_bar_columns(logs.front(), map)) {
+    std::vector<double> radii = positions(logs.front(), bar->series.front().radial);
+    if (!radii.empty()) found = ident::stats::median(std::move(radii));
+  } else {
+    const CircleTrack track = circle_track(logs.front(), map, kUsualRadius);
+    commanded = !track.rx.empty();
+    found = radius_of(track);
+  }
+  if (!found || !(*found > 0.0)) return {kUsualRadius};
   const double radius = rounded_radius(*found, commanded);
   if (commanded) return {radius};
   return {radius,
@@ -303,7 +319,14 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
   };
   CircleTrack t;
   t.axes = axes_of_circle(log, map);
+  const auto on_scale = [&](std::size_t axis) { return scale_column(log, t.axes[axis]); };
+  t.scale = map.count("x") + map.count("y") == 0 && on_scale(0) && on_scale(1);
+  if (t.scale)
+    t.notes.push_back(fmt::format(
+        "positions are those of the scales, {} and {}; --map x=… --map y=… chooses those of the motors",
+        io::in_quotes(header_of(*on_scale(0)->column)), io::in_quotes(header_of(*on_scale(1)->column))));
   const auto position = [&](const std::string& key, const std::string& axis) {
+    if (t.scale) return values(*scale_column(log, axis));
     const auto given = map.find(key);
     return values(given == map.end() ? position_column(log, axis) : named_column(log, given->second));
   };

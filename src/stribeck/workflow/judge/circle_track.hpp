@@ -22,6 +22,7 @@ struct CircleTrack {
   std::vector<double> t;         ///< empty: no times
   std::vector<std::size_t> row;  ///< of the log
   std::vector<int> part;         ///< of a ball-bar whose rows tell their direction; empty: not known
+  bool scale = false;            ///< positions of scales at the table, beside those of the motors
   bool ball_bar = false;
   double feed = std::nan("");  ///< stated, where the log has no times [m/s]
   std::vector<std::string> notes;

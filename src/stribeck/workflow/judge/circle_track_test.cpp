@@ -57,5 +57,23 @@ TEST(CircleTrack, HasTheNamesOfTheColumnsThatAreMapped) {
   EXPECT_EQ(circle_track(log, {}, 20e-3).axes, (ident::circle::AxisNames{"x", "z"}));
 }
 
+// A controller may move the motor ahead of the table on purpose: the table is what is judged.
+TEST(CircleTrack, ScalesGoBeforeMotors) {
+  std::string text = "t [s],x_x [mm],x_y [mm],scale_x [mm],scale_y [mm]\n";
+  for (int k = 0; k <= 360; ++k) {
+    const double angle = 2.0 * kPi * k / 360.0;
+    text += fmt::format("{},{},{},{},{}\n", 0.01 * k, 20.01 * std::cos(angle), 20.01 * std::sin(angle),
+                        20.0 * std::cos(angle), 20.0 * std::sin(angle));
+  }
+  const io::Log log = io::parse_log(text, "circle.csv");
+  const CircleTrack table = circle_track(log, {}, 20e-3);
+  EXPECT_TRUE(table.scale);
+  EXPECT_NEAR(table.x[0], 20e-3, 1e-12);
+  EXPECT_THAT(table.notes, Contains(HasSubstr("those of the scales, \"scale_x [mm]\" and \"scale_y [mm]\"")));
+  const CircleTrack motor = circle_track(log, {{"x", "x_x mm"}, {"y", "x_y mm"}}, 20e-3);
+  EXPECT_FALSE(motor.scale);
+  EXPECT_NEAR(motor.x[0], 20.01e-3, 1e-12);
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::circle_track_test

@@ -431,6 +431,12 @@ std::optional<NamedColumn> commanded_column(const io::Log& log, const std::strin
   return NamedColumn{c, c->unit_text};
 }
 
+std::optional<NamedColumn> scale_column(const io::Log& log, const std::string& axis) {
+  const io::Column* c = column_of(log, {"scale_" + axis}, LogQuantity::kScale, axis);
+  if (c == nullptr || !conversion_between(c->unit_text, "m")) return std::nullopt;
+  return NamedColumn{c, c->unit_text};
+}
+
 NamedColumn position_column(const io::Log& log, const std::string& axis) {
   const io::Column* c = column_of(log, {axis}, LogQuantity::kPosition, axis);
   if (c != nullptr) return {c, c->unit_text};

@@ -105,6 +105,9 @@ NamedColumn position_column(const io::Log& log, const std::string& axis);
 /// absent where there is none.
 std::optional<NamedColumn> commanded_column(const io::Log& log, const std::string& axis);
 
+/// The position of an axis on a scale at the table, beside that of the motor; absent where there is none.
+std::optional<NamedColumn> scale_column(const io::Log& log, const std::string& axis);
+
 /// All values of a position [m]; refused where the column is no position.
 std::vector<double> positions(const io::Log& log, const NamedColumn& named);
 
