@@ -6,7 +6,6 @@
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/frequency/response.hpp>
 #include <stribeck/ident/frequency/stretches.hpp>
-#include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
@@ -240,6 +239,36 @@ Table transform(const Plan& plan, const std::vector<std::size_t>& bins, bool str
   return table;
 }
 
+/// The step to which all values are rounded; 0: none is seen. log::quantum() looks at part of the values, which at a fast stroke are
+/// hundreds of steps apart.
+double rounding_step(std::vector<double> values) {
+  constexpr double kFarthest = 1e4;  // steps of a gap that is looked at
+  constexpr double kOff = 0.05;      // of a step
+  std::sort(values.begin(), values.end());
+  const double rounding = 1e-11 * std::max(std::abs(values.front()), std::abs(values.back()));
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] - values[i - 1] > rounding) gaps.push_back(values[i] - values[i - 1]);
+  }
+  if (gaps.size() < 20) return 0.0;
+  std::sort(gaps.begin(), gaps.end());
+  // A single edited value may cause the very smallest gap.
+  for (const double share : {0.0, 0.002}) {
+    const double q = gaps[static_cast<std::size_t>(share * static_cast<double>(gaps.size() - 1))];
+    std::size_t looked = 0;
+    std::size_t whole = 0;
+    for (const double gap : gaps) {
+      const double steps = gap / q;
+      if (steps < 1.5) continue;
+      if (steps > kFarthest) break;
+      ++looked;
+      whole += std::abs(steps - std::round(steps)) < kOff ? 1 : 0;
+    }
+    if (looked >= 20 && whole * 100 >= looked * 98) return q;
+  }
+  return 0.0;
+}
+
 /// Power that the rounding of a periodic z has in a harmonic, over all segments: q²/12 in each row. It repeats with z, so that no scatter
 /// from period to period tells it from an excitation.
 double rounding_power(const Plan& plan) {
@@ -247,7 +276,7 @@ double rounding_power(const Plan& plan) {
   constexpr double kOnHarmonics = 2.0;  // of two lines of a segment of two periods one is a harmonic
   double power = 0.0;
   for (const Part& part : plan.parts) {
-    const double q = log::quantum(*part.source.z);
+    const double q = rounding_step(*part.source.z);
     power += static_cast<double>(part.segments.size()) * q * q / 12.0;
   }
   return kOnHarmonics * kHann * static_cast<double>(plan.window) * power;
