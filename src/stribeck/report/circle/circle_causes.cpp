@@ -76,6 +76,7 @@ std::string next_step(const Diagnosis& d, const Cause& c) {
                     c.kind == CauseKind::kScaleMismatch || c.kind == CauseKind::kStraightness ||
                     c.kind == CauseKind::kCyclic;
   const std::string next(words_of(d, c.kind).next_step);
+  if (c.kind == CauseKind::kBacklash && d.own_encoder) return next;  // nothing is set right by it
   return open && !d.both_directions ? "measure the other direction too, then " + next : next;
 }
 
