@@ -116,11 +116,17 @@ void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std:
   Eigen::MatrixXd X(n, 2);
   Eigen::VectorXd y(n);
   for (Eigen::Index k = 0; k < n; ++k) {
+    // The power of a piece is weighted by the square of Hann's window.
     double x_part = 0.0;
-    for (std::size_t i = first[static_cast<std::size_t>(k)]; i < first[static_cast<std::size_t>(k)] + segment;
-         ++i)
-      x_part += std::pow(std::cos(run.angle[i]), 2) / static_cast<double>(segment);
-    X.row(k) << x_part, 1.0 - x_part;
+    double y_part = 0.0;
+    for (std::size_t i = 0; i < segment; ++i) {
+      const double angle = run.angle[first[static_cast<std::size_t>(k)] + i];
+      const double window = 1.0 - std::cos(2.0 * kPi * static_cast<double>(i) / static_cast<double>(segment));
+      const double weight = window * window / (1.5 * static_cast<double>(segment));
+      x_part += weight * std::pow(std::cos(angle), 2);
+      y_part += weight * std::pow(std::sin(angle), 2);
+    }
+    X.row(k) << x_part, y_part;
     y(k) = powers[static_cast<std::size_t>(k)];
   }
   const Eigen::Matrix2d normal = X.transpose() * X;
@@ -132,9 +138,12 @@ void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std:
   const double own = square(axis), other = square(1 - axis);
   const double deviation = std::sqrt(variance * (inverse(0, 0) + inverse(1, 1) - 2.0 * inverse(0, 1)));
   if (!(own > 0.0) || !(other < kAlone * own) || !(own - other > kSure * deviation)) return;
+  // The other one does not vibrate: this one alone.
+  const double alone = X.col(axis).dot(y) / X.col(axis).squaredNorm();
+  const double rest = (y - alone * X.col(axis)).squaredNorm() / static_cast<double>(n - 1);
   v.axis = axis;
-  v.amplitude = std::sqrt(own);
-  v.half_width = 1.96 * std::sqrt(variance * inverse(axis, axis)) / (2.0 * v.amplitude);
+  v.amplitude = std::sqrt(alone);
+  v.half_width = 1.96 * std::sqrt(rest / X.col(axis).squaredNorm()) / (2.0 * v.amplitude);
 }
 
 /// The strongest line of one run.

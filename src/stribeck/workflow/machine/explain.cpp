@@ -174,7 +174,6 @@ class Explanation {
         fmt::format("{}, {} {}s/{}", position ? "position" : "velocity", significant(told->gain, 4),
                     a_.rotary ? "N m " : "N ", a_.rotary ? "rad" : "m"),
         note);
-    out_.numbers["drive_loop_bandwidth_Hz"] = bandwidth;
   }
 
   void known() {
