@@ -110,7 +110,7 @@ Pieces pieces(const CircleRun& run, double window) {
 /// One axis alone: in the radius its amplitude goes with |cos θ| of x, |sin θ| of y. `powers` are squared amplitudes of the pieces.
 void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std::size_t segment,
                const std::vector<double>& powers, Vibration& v) {
-  constexpr double kAlone = 0.15;  // of the square of the other
+  constexpr double kQuiet = 0.15;  // of the square of the other
   constexpr double kSure = 3.0;    // standard deviations
   const auto n = static_cast<Eigen::Index>(powers.size());
   Eigen::MatrixXd X(n, 2);
@@ -137,7 +137,7 @@ void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std:
   const int axis = square(0) >= square(1) ? 0 : 1;
   const double own = square(axis), other = square(1 - axis);
   const double deviation = std::sqrt(variance * (inverse(0, 0) + inverse(1, 1) - 2.0 * inverse(0, 1)));
-  if (!(own > 0.0) || !(other < kAlone * own) || !(own - other > kSure * deviation)) return;
+  if (!(own > 0.0) || !(other < kQuiet * own) || !(own - other > kSure * deviation)) return;
   // The other one does not vibrate: this one alone.
   const double alone = X.col(axis).dot(y) / X.col(axis).squaredNorm();
   const double rest = (y - alone * X.col(axis)).squaredNorm() / static_cast<double>(n - 1);

@@ -16,7 +16,7 @@ constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSector = 360 / kSectors;
 /// A radius that differs by more than this from the intended one belongs to another circle or another unit.
 constexpr double kRadius = 0.2;
-constexpr double kWholeTurn = 0.98 * 2.0 * kPi;
+constexpr double kRevolution = 0.98 * 2.0 * kPi;
 
 struct CirclePoint {
   double x = 0.0;
@@ -131,7 +131,7 @@ LeastSquaresCircle circle_of_whole_laps(const CircleSamples& s, std::span<const 
                                         std::span<const double> y) {
   const LeastSquaresCircle all = least_squares_circle(x, y);
   const Turned turned = turned_about(s, x, y, {all.x, all.y});
-  if (turned.arc < kWholeTurn) return all;
+  if (turned.arc < kRevolution) return all;
   const double whole = whole_laps(std::abs(turned.angle.back()));
   std::size_t rows = 0;
   while (rows < x.size() && std::abs(turned.angle[rows]) <= whole) ++rows;
@@ -213,13 +213,13 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
   if (turned.arc < kLeastArc)
     refuse("an arc of ", std::round(turned.arc * 180.0 / kPi), " deg, expected at least ",
            std::round(kLeastArc * 180.0 / kPi), " deg, better a revolution");
-  if (all < std::min(turned.arc, kWholeTurn) - kSector * kPi / 180.0)
+  if (all < std::min(turned.arc, kRevolution) - kSector * kPi / 180.0)
     refuse("both directions of travel, expected one");
   // A gap hides what is in it; an arc has one.
   for (std::size_t k = 0; k < kSectors; ++k) {
     const double from = static_cast<double>(k * kSector) * kPi / 180.0 - t.angle[turned.from];
     const double behind = from - 2.0 * kPi * std::floor(from / (2.0 * kPi));
-    const bool travelled = turned.arc >= kWholeTurn || behind + kSector * kPi / 180.0 < turned.arc;
+    const bool travelled = turned.arc >= kRevolution || behind + kSector * kPi / 180.0 < turned.arc;
     if (travelled && !seen[k])
       refuse("no sample from ", k * kSector, " to ", (k + 1) * kSector,
              " deg, expected some in every such sector");

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kSeason = 2.0;      // limit of viscous friction without temperatures, times that of others
 constexpr double kSameChange = 7.0;  // days between steps of one change, at most
-constexpr double kApart = 1.5;       // tests between the intervals of two changes
-constexpr std::size_t kBeside = 10;  // tests before and after
-constexpr double kMedianSpread = 1.25;  // standard deviation of a median to that of a mean
+constexpr double kBetweenChanges = 1.5;  // tests between the intervals of two changes
+constexpr std::size_t kBeside = 10;      // tests before and after
+constexpr double kMedianSpread = 1.25;   // standard deviation of a median to that of a mean
 
 /// Value and half width of one number in one test; absent where the test does not have it.
 using Get = std::function<std::optional<std::array<double, 2>>(const HealthTest&)>;
@@ -108,7 +108,7 @@ double spacing_of(const std::vector<Channel>& channels) {
 /// Whether a step may be the same event as a change: the intervals of their days meet, or nearly so.
 bool is_of(const Change& change, const Step& step, double spacing) {
   const double gap = std::max(change.earliest - step.latest, step.earliest - change.latest);
-  return std::abs(change.day - step.day) <= kSameChange && gap <= kApart * spacing;
+  return std::abs(change.day - step.day) <= kSameChange && gap <= kBetweenChanges * spacing;
 }
 
 /// How much a number changed at a change: its own step, or the medians before and after, no farther than the changes beside it.
