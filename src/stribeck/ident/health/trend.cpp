@@ -259,14 +259,14 @@ void mark_undone(std::vector<Step>& steps) {
   }
 }
 
-/// `limit`: of a step.
+/// A step that takes back another one that was itself no return. `limit`: of a step.
 void mark_restoring(std::vector<Step>& steps, double limit) {
   for (std::size_t k = 1; k < steps.size(); ++k) {
     double rest = steps[k].change;  // of the number, from what it was before step i
     for (std::size_t i = k; i-- > 0 && !steps[k].restores;) {
       rest += steps[i].change;
-      steps[k].restores = steps[i].change * steps[k].change < 0.0 && std::abs(rest) < limit &&
-                          std::abs(rest) <= 0.5 * std::abs(steps[i].change);
+      steps[k].restores = !steps[i].restores && steps[i].change * steps[k].change < 0.0 &&
+                          std::abs(rest) < limit && std::abs(rest) <= 0.5 * std::abs(steps[i].change);
     }
   }
 }

@@ -124,6 +124,17 @@ TEST(HealthTrend, AStepBeyondWhatWasThereBeforeRestoresNothing) {
   EXPECT_TRUE(trend.stepped);
 }
 
+TEST(HealthTrend, AFaultThatComesBackIsAFault) {
+  std::vector<Reading> readings = Series().readings(4);
+  for (std::size_t d = 40; d < 70; ++d) readings[d].value += 0.2;
+  for (std::size_t d = 100; d < readings.size(); ++d) readings[d].value += 0.2;
+  const Trend trend = trend_of(readings, {});
+  ASSERT_EQ(trend.steps.size(), 3U);
+  EXPECT_TRUE(trend.steps[1].restores);
+  EXPECT_FALSE(trend.steps[2].restores);
+  EXPECT_TRUE(trend.steps[2].matters());
+}
+
 TEST(HealthTrend, TheEffectOfTemperatureIsTakenOff) {
   Series series;
   series.days = 180;  // half a year: warm at one end, cold at the other
