@@ -1,4 +1,3 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -130,14 +129,15 @@ void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std:
     X.row(k) << x_part, y_part;
     y(k) = powers[static_cast<std::size_t>(k)];
   }
-  const Eigen::Matrix2d normal = X.transpose() * X;
-  if (n < 4 || !(normal.determinant() > 1e-6 * normal.squaredNorm())) return;
-  const Eigen::Matrix2d inverse = normal.inverse();
-  const Eigen::Vector2d square = inverse * (X.transpose() * y);
+  const double xx = X.col(0).squaredNorm(), xy = X.col(0).dot(X.col(1)), yy = X.col(1).squaredNorm();
+  const double determinant = xx * yy - xy * xy;
+  if (n < 4 || !(determinant > 1e-6 * (xx + yy) * (xx + yy))) return;
+  const double f_x = X.col(0).dot(y), f_y = X.col(1).dot(y);
+  const Eigen::Vector2d square((yy * f_x - xy * f_y) / determinant, (xx * f_y - xy * f_x) / determinant);
   const double variance = (y - X * square).squaredNorm() / static_cast<double>(n - 2);
   const int axis = square(0) >= square(1) ? 0 : 1;
   const double own = square(axis), other = square(1 - axis);
-  const double deviation = std::sqrt(variance * (inverse(0, 0) + inverse(1, 1) - 2.0 * inverse(0, 1)));
+  const double deviation = std::sqrt(variance * (xx + yy + 2.0 * xy) / determinant);  // of their difference
   if (!(own > 0.0) || !(other < kQuiet * own) || !(own - other > kSure * deviation)) return;
   // The other one does not vibrate: this one alone.
   const double alone = X.col(axis).dot(y) / X.col(axis).squaredNorm();
