@@ -84,8 +84,8 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->capture_default_str();
   verb.add_option(
           "--axes", o.axes,
-          "Axes of the shape, in its order, e.g. --axes x,z for a circle in that plane; left out: the first ones, on a "
-          "machine of your own those that do not turn")
+          "Axes of the shape, in its order, e.g. --axes x,z for a circle in that plane; left out: the first ones, for the "
+          "circle of a machine of your own those that do not turn")
       ->delimiter(',')
       ->type_name("NAME");
   verb.add_option(

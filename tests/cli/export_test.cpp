@@ -782,7 +782,7 @@ TEST(Evaluate, FindsPositionsByTheirNames) {
   // A quarter says how much of a circle it is.
   const std::string quarter = f.write("quarter.csv", text.substr(0, text.find("0.101000")));
   expect_refused(f, {"evaluate", quarter},
-                 "an arc of 90 deg, expected at least 175 deg, better a revolution; got 101 rows");
+                 "one of 90 deg, expected at least 175 deg, better a revolution; got 101 rows");
 }
 
 }  // namespace

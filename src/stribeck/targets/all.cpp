@@ -130,6 +130,8 @@ SteadyTexts steady_texts(const ExportRequest& o) {
     } catch (const io::InputError& e) {
       out.refused.push_back(fmt::format("{}, because of {}", t->name, e.problems().front().text()));
       if (!first) first = std::current_exception();
+    } catch (const sim::Refused& e) {
+      out.refused.push_back(fmt::format("{}, because {}", t->name, e.what()));
     }
   }
   // What no target takes is wrong with the files or the options.
@@ -181,8 +183,12 @@ Exported write_all(const ExportRequest& asked) {
     }
   }
   if (pulses) {
-    const std::vector<std::string> not_found = add_peaks(o, all, out);
-    refused.insert(refused.end(), not_found.begin(), not_found.end());
+    try {
+      const std::vector<std::string> not_found = add_peaks(o, all, out);
+      refused.insert(refused.end(), not_found.begin(), not_found.end());
+    } catch (const sim::Refused& e) {  // of the user's own circle
+      refused.push_back(fmt::format("what the targets leave on a circle, because {}", e.what()));
+    }
   }
   const std::string lacks = moteus_lacks(o);
   if (lacks.empty()) add_moteus(o, out);

@@ -94,9 +94,9 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
       throw io::InputError(
           {log.source, 0, where,
            fmt::format(
-               "the longest arc in one direction is one of {:.0f} deg, expected at least 175 deg, better a revolution; got {} rows "
+               "the longest arc in one direction is one of {:.0f} deg, expected at least {:.0f} deg, better a revolution; got {} rows "
                "(--where COLUMN=VALUE chooses rows, --size is the nominal radius)",
-               motion.longest_arc * 180.0 / kPi, t.x.size())});
+               motion.longest_arc * 180.0 / kPi, circle::kLeastArc * 180.0 / kPi, t.x.size())});
     one.circles.push_back(tested(log, t, where, radius));
     rows.push_back(where);
     return;
@@ -240,6 +240,7 @@ void join_directions(std::vector<Judged>& all) {
     Judged& b = all[i + 1];
     const bool fits = a.one.circles.size() == 1 && b.one.circles.size() == 1 &&
                       a.one.circles[0].counter_clockwise != b.one.circles[0].counter_clockwise &&
+                      a.one.axes == b.one.axes && a.all.scale == b.all.scale &&
                       a.all.t.empty() == b.all.t.empty() && a.all.rx.empty() == b.all.rx.empty() &&
                       a.all.ball_bar == b.all.ball_bar && same(a.all.feed, b.all.feed);
     if (!fits) continue;

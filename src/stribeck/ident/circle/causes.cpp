@@ -330,7 +330,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
     // Where the axis reverses, a vibration stands at any of its phases.
     for (Cause& spike : out.causes)
       spike.found = spike.found &&
-                    (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration->amplitude);
+                    (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration->in_radius);
     Cause c;
     c.kind = CauseKind::kVibration;
     c.axis = vibration->axis;

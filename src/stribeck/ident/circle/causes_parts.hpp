@@ -128,6 +128,7 @@ struct Vibration {
       axis;  ///< that vibrates alone, as far as the change of the amplitude around the circle tells
   double amplitude = 0.0;  ///< of that axis; else of the radius, mean over the circle [m]
   double half_width = 0.0;
+  double in_radius = 0.0;  ///< amplitude in the radius, mean over the circle [m]
   double frequency = 0.0;  ///< [Hz]
   double frequency_half_width = 0.0;
 };

@@ -185,7 +185,7 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
   for (const auto& one : squares) scatter += (power(one) - middle) * (power(one) - middle);
   const double pieces_used = static_cast<double>(squares.size());
   Vibration v;
-  v.amplitude = std::sqrt(middle);
+  v.amplitude = v.in_radius = std::sqrt(middle);
   v.half_width = 1.96 * std::sqrt(scatter / (pieces_used * (pieces_used - 1.0))) / (2.0 * v.amplitude);
   // Between two lines Hann's window gives them amplitudes in the ratio (1 + δ)/(2 − δ), δ from the larger one.
   const auto between = [&](const std::vector<double>& of) {
@@ -225,7 +225,7 @@ std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions
   for (const CircleMotion& m : motions) {
     for (const CircleRun& run : m.runs) {
       const auto v = vibration_of(run, log, fit.window(), explained);
-      if (v && (!best || v->amplitude > best->amplitude)) best = v;
+      if (v && (!best || v->in_radius > best->in_radius)) best = v;
     }
     ++log;
   }

@@ -103,10 +103,10 @@ void add_hysteresis(CircularTest& t, const CircleSamples& s, const CircleMotion&
   }
   const std::vector<double> one = mean_path(s, motion, true, c, fewest);
   const std::vector<double> other = mean_path(s, motion, false, c, fewest);
-  t.hysteresis = 0.0;
+  // Arcs need not have an angle in common: then there is none.
   for (std::size_t k = 0; k < fewest; ++k) {
     const double h = std::abs(one[k] - other[k]);
-    if (!(h > *t.hysteresis)) continue;
+    if (!std::isfinite(h) || (t.hysteresis && h <= *t.hysteresis)) continue;
     t.hysteresis = h;
     t.hysteresis_angle = 2.0 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(fewest);
   }

@@ -122,6 +122,35 @@ TEST(CircleMotion, ArcsStandForACircleWhereThereIsNone) {
   EXPECT_EQ(m.runs.size(), 1U);
 }
 
+TEST(CircleMotion, AnArcOfFewRowsIsFound) {
+  std::vector<double> x, y;
+  for (int k = 0; k <= 110; ++k) {
+    const double angle = (-20.0 + 2.0 * k) * kPi / 180.0;
+    x.push_back(0.3 + 50e-3 * std::cos(angle));
+    y.push_back(50e-3 * std::sin(angle));
+  }
+  const CircleMotion m = circle_motion({x, y, {}, {}}, {}, 50e-3);
+  EXPECT_TRUE(m.arcs);
+  ASSERT_EQ(m.runs.size(), 1U);
+  EXPECT_NEAR(m.runs[0].revolutions * 360.0, 220.0, 1e-6);
+  EXPECT_NEAR(m.centre_x, 0.3, 1e-9);
+}
+
+// One direction over the upper half, the other over the lower one: they have no angle in common.
+TEST(CircularTest, NoHysteresisWhereTheDirectionsDoNotMeet) {
+  const auto none = [](double, double) { return 0.0; };
+  Travel travel;
+  travel.rate = kRate;
+  travel.angle = 1.0 * kPi / 180.0;
+  travel.go(177.0 / 360.0, kRate, none);
+  travel.angle = -1.0 * kPi / 180.0;
+  travel.go(-177.0 / 360.0, kRate, none);
+  const CircleMotion m = travel.motion();
+  ASSERT_EQ(m.runs.size(), 2U);
+  const CircularTest t = circular_test(travel.samples(), m);
+  EXPECT_FALSE(t.hysteresis.has_value());
+}
+
 /// A revolution of 50 mm at full speed between approaches: along a radius, or along a half circle of half the radius.
 Travel approached(bool along_an_arc, double oval) {
   Travel t;

@@ -21,13 +21,15 @@ constexpr double kSectorOfRun = 5.0 * kPi / 180.0;
 /// Positions farther off than this share of the radius belong to the approach to the circle.
 constexpr double kOffCircle = 0.2;
 
-/// Middle of the box round all points, then `passes` times the least-squares circle of those near it; absent where there is none.
-std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius,
-                                int passes) {
-  if (x.empty()) return std::nullopt;
+Centre middle_of_box(std::span<const double> x, std::span<const double> y) {
   const auto [left, right] = std::minmax_element(x.begin(), x.end());
   const auto [low, high] = std::minmax_element(y.begin(), y.end());
-  Centre c{0.5 * (*left + *right), 0.5 * (*low + *high)};
+  return {0.5 * (*left + *right), 0.5 * (*low + *high)};
+}
+
+/// `passes` times the least-squares circle of the points near the one about c; absent where there is none.
+std::optional<Centre> refined(std::span<const double> x, std::span<const double> y, double radius, Centre c,
+                              int passes) {
   for (int k = 0; k < passes; ++k) {
     std::vector<double> near_x;
     std::vector<double> near_y;
@@ -45,6 +47,26 @@ std::optional<Centre> centre_of(std::span<const double> x, std::span<const doubl
     }
   }
   return c;
+}
+
+/// Of whole circles.
+std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius) {
+  constexpr int kPasses = 3;
+  if (x.empty()) return std::nullopt;
+  return refined(x, y, radius, middle_of_box(x, y), kPasses);
+}
+
+/// Of arcs: the middle of the box round one is far from its centre.
+std::optional<Centre> centre_of_arcs(std::span<const double> x, std::span<const double> y, double radius) {
+  constexpr int kPasses = 30;
+  if (x.size() < CircleTest::kFewest) return std::nullopt;
+  try {
+    const LeastSquaresCircle all = least_squares_circle(x, y);
+    if (auto c = refined(x, y, radius, {all.x, all.y}, kPasses)) return c;
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+  return refined(x, y, radius, middle_of_box(x, y), kPasses);
 }
 
 /// Rows [first, last) in which the angle grows, or falls.
@@ -308,8 +330,8 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
       if (turn < least) {
         if (turn > 2.0 * kTurnedBack)
           out.notes.push_back(
-              fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, a circle is a whole revolution",
-                          s.row_of(one.first), s.row_of(one.last - 1), turn * 180.0 / kPi));
+              fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, it is shorter than {}",
+                          s.row_of(one.first), s.row_of(one.last - 1), turn * 180.0 / kPi, shorter));
         continue;
       }
       Stretch scored = at_speed(on.turned, time, one);
@@ -393,23 +415,21 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   out.commanded = !s.command_x.empty();
   const std::span<const double> guide_x = out.commanded ? s.command_x : s.x;
   const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
-  constexpr int kPasses = 3;
-  auto centre = centre_of(guide_x, guide_y, radius, kPasses);
-  if (!centre) return out;
+  auto centre = centre_of(guide_x, guide_y, radius);
   double least = kWholeTurn;
-  Found found = revolutions(s, time, out.commanded, *centre, radius, least);
+  Found found;
+  if (centre) found = revolutions(s, time, out.commanded, *centre, radius, least);
   if (found.scored.empty()) {
-    // The middle of the box round an arc is far from its centre.
-    constexpr int kPassesOfArc = 30;
-    const auto of_arc = centre_of(guide_x, guide_y, radius, kPassesOfArc);
-    Found arcs = of_arc ? revolutions(s, time, out.commanded, *of_arc, radius, kLeastArc) : Found{};
-    if (!arcs.scored.empty()) {
-      out.arcs = true;
+    const auto of_arcs = centre_of_arcs(guide_x, guide_y, radius);
+    Found arcs = of_arcs ? revolutions(s, time, out.commanded, *of_arcs, radius, kLeastArc) : Found{};
+    if (!arcs.scored.empty() || !centre) {
+      out.arcs = !arcs.scored.empty();
       least = kLeastArc;
-      centre = of_arc;
+      centre = of_arcs;
       found = std::move(arcs);
     }
   }
+  if (!centre) return out;
   // The approach moves the centre, which tells what belongs to the approach.
   constexpr int kMostPasses = 12;
   double guide_radius = radius;

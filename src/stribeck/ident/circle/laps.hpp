@@ -7,7 +7,7 @@
 /// circle by more than a fifth of R. At both ends of a run, rows that do not leave the angle of the first or the last one are a stop or an
 /// approach along the radius, and rows off the circle are an approach along a line or an arc: those more than six times the usual
 /// deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take clearly longer than
-/// usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution would be
+/// usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution, or of arcs less than kLeastArc, would be
 /// left. Of what is left beyond whole laps, up to 15 degrees at both ends are left out too, where there are times: the drives
 /// settle there. A gap of the time ends a run, and so does a jump of the angle: by 30 degrees, in a table without times by 5. In such a
 /// table another part of the samples ends it too. The ends are those of the command where there is one: it has no noise.

@@ -12,7 +12,7 @@
 /// Source: after ISO 230-4 for G; ISO 12181-1, formerly ISO 6318, for the least-squares circle.
 /// Not modelled: the path between two samples; run-in and run-out, which laps.hpp takes off.
 /// Real time: no.
-/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the travel is shorter than a revolution or
+/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the travel is shorter than kLeastArc or
 /// has a sector of 10 degrees without samples, or the circle's radius differs from R by more than a fifth.
 
 #include <array>

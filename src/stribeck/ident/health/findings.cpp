@@ -134,8 +134,10 @@ Shift shift_at(const Channel& c, std::size_t index, const Change& change, const 
   const auto n = static_cast<double>(before.size()), m = static_cast<double>(after.size());
   s.share = c.share(stats::median(after) - stats::median(before));
   s.deviation = c.share(kMedianSpread * c.trend.scatter * std::sqrt(1.0 / n + 1.0 / m));
+  double nearest = std::numeric_limits<double>::infinity();
   for (const Step& step : c.trend.steps) {
-    if (!is_of(change, step, spacing)) continue;
+    if (!is_of(change, step, spacing) || std::abs(step.day - day) >= nearest) continue;
+    nearest = std::abs(step.day - day);
     s.share = c.share(step.change);
     s.deviation = c.share(step.half_width) / 1.96;
   }
@@ -167,8 +169,11 @@ void add_steps(Health& health) {
   const double spacing = spacing_of(health.channels);
   for (const Found& found : all) {
     const Step& s = *found.step;
-    const auto same = std::find_if(health.changes.begin(), health.changes.end(),
-                                   [&](const Change& c) { return is_of(c, s, spacing); });
+    auto same = health.changes.end();
+    for (auto c = health.changes.begin(); c != health.changes.end(); ++c) {
+      if (!is_of(*c, s, spacing)) continue;
+      if (same == health.changes.end() || std::abs(c->day - s.day) < std::abs(same->day - s.day)) same = c;
+    }
     if (same == health.changes.end()) {
       Change change;
       change.day = s.day;

@@ -153,6 +153,8 @@ void complete_times(Log& log, const ReadOptions& options) {
                                        : told.period       ? told.period
                                                            : options.machine_period;
   const bool of_machine = !options.sample_time && !told.period;
+  constexpr const char* kOtherPeriod =
+      " (where the log has every second or every tenth period alone, say so with --sample-time)";
   if (!period) {
     if (!options.times_needed) return;
     throw InputError(Problem{log.source, 0, "",
@@ -179,7 +181,7 @@ void complete_times(Log& log, const ReadOptions& options) {
                           (options.sample_time ? ", the given sample time"
                            : of_machine        ? ", the sample time of the machine file"
                                                : ", as the head of the file says: " + in_quotes(told.text)) +
-                          "; rows that it does not count are missing");
+                          "; rows that it does not count are missing" + (of_machine ? kOtherPeriod : ""));
       detail::add_time(log, std::move(t), "s");
       return;
     }
@@ -191,7 +193,7 @@ void complete_times(Log& log, const ReadOptions& options) {
                     : "there is no time column; the time is made from the head of the "
                       "file, which says " +
                           in_quotes(told.text) + ": one row each ") +
-      number_text(*period) + " s; a gap would not be seen");
+      number_text(*period) + " s; a gap would not be seen" + (of_machine ? kOtherPeriod : ""));
 }
 
 Log read_table(std::string_view text, const std::string& source, const ReadOptions& options) {

@@ -97,11 +97,14 @@ double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes,
 sim::Machine machine_of_files(const ExportRequest& o) {
   const std::vector<std::string> names = axes_in_files(o);
   const bool named = std::none_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); });
+  if (!named) return workflow::read_virtual_machine(o.machine);
   std::vector<std::string> models;
-  for (std::size_t i = 0; named && i < names.size(); ++i) models.push_back(names[i] + "=" + o.files[i]);
+  for (const auto& [own, axis] : workflow::read_description(o.machine).axes) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (io::lower_case(own) == io::lower_case(names[i])) models.push_back(own + "=" + o.files[i]);
+  }
   sim::Machine machine =
       workflow::read_virtual_machine(o.machine, models, workflow::AxisWithoutTruth::kLeftOut);
-  if (!named) return machine;
   std::vector<std::pair<std::string, sim::MachineAxis>> ordered;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto same = [&](const auto& axis) {

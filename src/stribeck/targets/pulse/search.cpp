@@ -133,8 +133,7 @@ PulseSearch search_pulses(const friction::AxisModel& axis, const sim::Controller
       rows[i] = row;
     } catch (const sim::Refused& e) {
       if (i == 0) throw;  // the user's own circle
-      refused[i] =
-          fmt::format("the loop does not follow a circle of {:.4g} mm at {:.4g} mm/s", 1e3 * r, 1e3 * v);
+      refused[i] = e.what();
     }
   });
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -28,7 +28,7 @@ using PulseShape = std::function<Pulse(double amplitude)>;
 
 struct PulseSearch {
   std::size_t shape = 0;       ///< which of the list
-  std::vector<PulseRow> rows;  ///< by radius, then by feed, the user's circle first
+  std::vector<PulseRow> rows;  ///< those that are left, by radius, then by feed, the user's circle first
   std::size_t left_out = 0;    ///< circles of the grid that the loop does not follow, or that take too long
   std::string why;             ///< of the first of them
 };

@@ -111,11 +111,6 @@ std::vector<double> telling_speeds(const Axis& axis) {
 Line nearest_line(const Axis& axis) { return line_through(samples_of(axis, 0.0)); }
 Line nearest_line(const Axis& axis, double direction) { return line_through(samples_of(axis, direction)); }
 
-double nearest_level(const Axis& axis, double direction) {
-  const Samples s = samples_of(axis, direction);
-  return std::max(mean(s, s.force), 0.0);
-}
-
 std::vector<Corner> nearest_points(const Axis& axis, std::size_t points) {
   return points_of(samples_of(axis, 0.0), points);
 }

@@ -31,8 +31,6 @@ struct Line {
 /// other one is fitted again.
 Line nearest_line(const Axis& axis);
 Line nearest_line(const Axis& axis, double direction);
-/// Without a slope.
-double nearest_level(const Axis& axis, double direction);
 
 /// At most so many points, from the slowest to the fastest speed, over both directions or over one.
 std::vector<Corner> nearest_points(const Axis& axis, std::size_t points);

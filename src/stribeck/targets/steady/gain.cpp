@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/gain.hpp>
@@ -104,8 +105,8 @@ std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
   const double whole = target.counts == GainUnit::kPercent ? 100.0 : bits ? kFull : 1000.0;
   const double share = most / axis.gain / whole;
   if (!(share > 1.0)) return {};
-  return fmt::format("{}: friction of {} N is {} % of the {}: check --gain.\n", axis.name,
-                     report::significant(most, 3), report::significant(100.0 * share, 3),
+  return fmt::format("{}: friction of {} is {} % of the {}: check --gain.\n", axis.name,
+                     ident::Shown("m", "N", axis.rotary).force(most), report::significant(100.0 * share, 3),
                      bits ? "output" : "rated torque or current");
 }
 

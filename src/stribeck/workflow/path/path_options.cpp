@@ -194,8 +194,11 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
     spec.travels.push_back(make_travel(path, speed));
     const std::size_t needed = spec.travels.back().axes();
     if (!spec.axes.empty() && spec.axes.size() != needed)
-      refuse_option("--axes",
-                    fmt::format("got {} axes, expected {} for this path", spec.axes.size(), needed));
+      refuse_option("--axes", fmt::format("got {} axes, expected {} for this path, e.g. --axes {}",
+                                          spec.axes.size(), needed,
+                                          needed == 2   ? "x,z"
+                                          : needed == 1 ? "x"
+                                                        : "x,y,z"));
     keep_circle_in_travel(spec.travels.back(), machine, spec);
   }
 }

@@ -22,7 +22,7 @@ enum class PointJoin { kCorners, kSpline };
 struct PathOptions {
   std::string path = "circle";
   std::vector<std::string>
-      axes;  ///< of a shape, in its order; empty: the first ones, of a machine of one's own those that do not turn
+      axes;  ///< of a shape, in its order; empty: the first ones, for the circle of a machine of one's own those that do not turn
   std::string size;  ///< empty: 10 mm; of a machine of one's own by its travel
   double laps = 2.0;
   std::string omega_t;  ///< empty: 40 rad/s; of a machine of one's own its commissioning.omega
