@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
@@ -275,8 +276,11 @@ double rounding_power(const Plan& plan) {
   constexpr double kHann = 3.0 / 8.0;   // mean square of the window
   constexpr double kOnHarmonics = 2.0;  // of two lines of a segment of two periods one is a harmonic
   double power = 0.0;
+  std::map<const std::vector<double>*, double> steps;  // a record has many parts
   for (const Part& part : plan.parts) {
-    const double q = rounding_step(*part.source.z);
+    const auto [known, is_new] = steps.try_emplace(part.source.z, 0.0);
+    if (is_new) known->second = rounding_step(*part.source.z);
+    const double q = known->second;
     power += static_cast<double>(part.segments.size()) * q * q / 12.0;
   }
   return kOnHarmonics * kHann * static_cast<double>(plan.window) * power;
