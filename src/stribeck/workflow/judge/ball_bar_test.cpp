@@ -359,7 +359,8 @@ TEST_F(BallBar, BadTablesAreRefused) {
   EXPECT_DOUBLE_EQ(measured.radius, 0.1);
   EXPECT_THAT(measured.warnings, Contains(HasSubstr("the radius was not given: 100 mm")));
   EXPECT_THAT(refused(circle_of(100, 360, 20, head), sized()), HasSubstr("too few samples"));
-  EXPECT_THAT(refused(circle_of(100, 90, 500, head), sized()), HasSubstr("one of 90 deg, expected at least 175 deg"));
+  EXPECT_THAT(refused(circle_of(100, 90, 500, head), sized()),
+              HasSubstr("one of 90 deg, expected at least 175 deg"));
   EXPECT_THAT(refused(circle_of(1, 360, 500, "angle [deg],deviation [um]\n"), {}),
               HasSubstr("does not state (give it with --size"));
   EXPECT_THAT(refused(circle_of(1, 360, 500, "angle [deg],deviation\n"), sized()), HasSubstr("unit"));

@@ -30,8 +30,8 @@ const Type& scalar_of(const Type& type) {
 std::string as_toml(const FieldInfo& info, const std::string& value) {
   const Kind kind = scalar_of(*info.type).kind;
   if (kind == Kind::kChoice || kind == Kind::kText) return '"' + value + '"';
-  const bool bare = kind != Kind::kNumber ||
-                    (info.quantity.unit.empty() && value.find('%') == std::string::npos);
+  const bool bare =
+      kind != Kind::kNumber || (info.quantity.unit.empty() && value.find('%') == std::string::npos);
   if (bare || (!value.empty() && value[0] == '[')) return value;
   return '"' + value + '"';
 }
