@@ -270,6 +270,17 @@ TEST(LogFormats, NiDaq) {
               Contains(HasSubstr("0.0005 apart, the header says 0.005")));
 }
 
+TEST(LogFormats, UnitsInCapitals) {
+  const Log log = parse_log(
+      "TIME [SEC],POS [MM],VEL [MM/MIN],TRQ [NM],CUR [AMPS],TABLE [DEG],DRIVE_RPM,AXIS (M)\n"
+      "0,1,2,3,4,5,6,7\n0.1,2,3,4,5,6,7,8\n0.2,3,4,5,6,7,8,9\n",
+      "a.csv");
+  std::vector<std::string> units;
+  for (const Column& c : log.columns) units.push_back(c.unit_text);
+  EXPECT_THAT(units, ElementsAre("s", "mm", "mm/min", "N m", "A", "deg", "rpm", testing::Ne("m")));
+  EXPECT_THAT(log.notes, testing::Not(Contains(HasSubstr("is not known"))));
+}
+
 TEST(LogFormats, HalSampler) {
   const std::vector<std::string> pins{"x mm", "f [N]", "in-position"};
   const Log log = parse_log(test::halsampler_sample(), "a.log", given(pins, 1e-3));

@@ -82,7 +82,7 @@ Column column_of(std::string header, Notes& notes) {
     const bool counts = is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
     // "x (second)" is a name, "Current (Arms)" has a unit.
-    const bool named = open == '(' && (inside == "second" || inside == "-");
+    const bool named = open == '(' && (inside == "second" || inside == "-" || inside == "M" || inside == "S");
     std::string_view spelled = !named && !scaled && !counts ? spelling_of(inside) : "";
     const std::string_view torque = torque_of(inside);
     if (!torque.empty()) spelled = torque;
@@ -92,10 +92,7 @@ Column column_of(std::string header, Notes& notes) {
                       is_unit(inside);
     if (dimensionless || unit || counts || scaled || !spelled.empty()) {
       c.name = before.empty() ? header : before;
-      c.unit_text = dimensionless                        ? "1"
-                    : counts                             ? "count"
-                    : torque.empty() && (unit || scaled) ? inside
-                                                         : std::string(spelled);
+      c.unit_text = dimensionless ? "1" : counts ? "count" : spelled.empty() ? inside : std::string(spelled);
     } else if (user || (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos)) {
       // A number in brackets is an index, r0482[0].
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");

@@ -10,7 +10,7 @@ namespace stribeck::io::detail {
 
 /// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
 /// "X1_CurrentFeedback" or "run_a" must not get one.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kSuffixes{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 75> kSuffixes{{
     {"s", "s"},
     {"ms", "ms"},
     {"us", "us"},
@@ -72,10 +72,24 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 61> k
     {"rev_per_s", "rev/s"},
     {"N_per_V", "N/V"},
     {"N_per_A", "N/A"},
+    {"sec", "s"},
+    {"SEC", "s"},
+    {"msec", "ms"},
+    {"usec", "us"},
+    {"MS", "ms"},
+    {"MM", "mm"},
+    {"MM_S", "mm/s"},
+    {"MM_MIN", "mm/min"},
+    {"DEG", "deg"},
+    {"DEG_S", "deg/s"},
+    {"RPM", "rpm"},
+    {"NM", "N m"},
+    {"PCT", "%"},
+    {"COUNTS", "count"},
 }};
 
 /// Spellings of units in controls, drives and their tools.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 78> kSpellings{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 114> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
@@ -154,6 +168,42 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 78> k
     {"increments", "count"},
     {"steps", "count"},
     {"Umdr.", "rev"},
+    {"MM", "mm"},
+    {"MM/S", "mm/s"},
+    {"MM/SEC", "mm/s"},
+    {"MM/MIN", "mm/min"},
+    {"UM", "um"},
+    {"M", "m"},
+    {"M/S", "m/s"},
+    {"M/MIN", "m/min"},
+    {"DEG", "deg"},
+    {"DEG/S", "deg/s"},
+    {"DEG/SEC", "deg/s"},
+    {"DEG/MIN", "deg/min"},
+    {"SEC", "s"},
+    {"S", "s"},
+    {"MSEC", "ms"},
+    {"MS", "ms"},
+    {"USEC", "us"},
+    {"US", "us"},
+    {"IN", "in"},
+    {"INCH", "in"},
+    {"INCHES", "in"},
+    {"IN/S", "in/s"},
+    {"IN/SEC", "in/s"},
+    {"IN/MIN", "in/min"},
+    {"INCH/MIN", "in/min"},
+    {"IPM", "in/min"},
+    {"ipm", "in/min"},
+    {"AMP", "A"},
+    {"AMPS", "A"},
+    {"Amps", "A"},
+    {"KN", "kN"},
+    {"PCT", "%"},
+    {"PERCENT", "%"},
+    {"COUNTS", "count"},
+    {"CNTS", "count"},
+    {"PULSES", "count"},
 }};
 
 }  // namespace stribeck::io::detail
