@@ -161,6 +161,8 @@ void check_options(const ExportRequest& o, bool machine, bool folder) {
   const auto refuse = [](const char* option, const char* why) {
     refuse_option(option, std::string("does not apply to ") + why);
   };
+  if (!o.gain.empty()) refuse("--gain", "--to linuxcnc, whose forces are in newtons (--to pid takes it)");
+  if (!o.lead.empty()) refuse("--lead", "--to linuxcnc, which moves the axis, not the motor");
   if (!o.resolution.empty()) refuse("--resolution", "--to linuxcnc, only to pid and all");
   if (!o.zero.empty()) refuse("--zero", "--to linuxcnc, only to moteus and all");
   if (machine && o.files.size() > 1)

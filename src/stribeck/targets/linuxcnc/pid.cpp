@@ -104,6 +104,7 @@ const SteadyTarget kPid{.name = "pid",
                         .write = pid_form,
                         .extension = ".hal",
                         .head = pid_head,
+                        .takes_gain = true,
                         .encoder = true,
                         .linear_only = true};
 

@@ -106,6 +106,7 @@ const SteadyTarget kRos2Control{
     .write = ros2_form,
     .extension = ".yaml",
     .head = ros2_head,
-    .beside = Beside{"friction_feedforward.cpp", kFrictionFeedforward}};
+    .beside = Beside{"friction_feedforward.cpp", kFrictionFeedforward},
+    .takes_lead = true};
 
 }  // namespace stribeck::targets

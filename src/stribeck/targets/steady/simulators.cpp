@@ -153,6 +153,7 @@ const SteadyTarget kModelica{.name = "modelica",
                              .comment = "//",
                              .write = modelica,
                              .simulator = true,
+                             .takes_lead = true,
                              .linear_only = true};
 extern const SteadyTarget kSimscape;
 const SteadyTarget kSimscape{.name = "simscape",

@@ -148,9 +148,26 @@ Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& 
   return a;
 }
 
+bool needs_gain(const SteadyTarget& t) {
+  return t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
+}
+
+bool needs_lead(const SteadyTarget& t) {
+  return t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+}
+
+/// Refuses what the target would not look at: its numbers are in SI units of the axis, whatever was given.
+void refuse_without_effect(const SteadyTarget& t, const ExportRequest& o) {
+  if (!o.gain.empty() && !needs_gain(t) && !t.takes_gain)
+    refuse_option("--gain", fmt::format("does not apply to --to {}: its numbers are in SI units", t.name));
+  if (!o.lead.empty() && !needs_lead(t) && !t.takes_lead)
+    refuse_option("--lead",
+                  fmt::format("does not apply to --to {}: it moves the axis, not the motor", t.name));
+}
+
 void check_needs(const SteadyTarget& t, const ExportRequest& o) {
-  const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
-  const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+  const bool gain = needs_gain(t);
+  const bool lead = needs_lead(t);
   if (gain && o.gain.empty()) {
     refuse_option(
         "--gain",
@@ -427,6 +444,7 @@ WrittenBeside write_beside(const SteadyTarget& target, const std::string& output
 
 Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   refuse_linuxcnc_options(o);
+  refuse_without_effect(target, o);
   if (!target.encoder && !o.resolution.empty())
     refuse_option("--resolution", "applies only to --to pid and --to all");
   if (!o.zero.empty()) refuse_option("--zero", "applies only to --to moteus and --to all");

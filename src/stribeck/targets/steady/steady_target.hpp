@@ -101,6 +101,8 @@ struct SteadyTarget {
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
+  bool takes_gain = false;   ///< --gain may be given, though nothing needs it
+  bool takes_lead = false;   ///< the same of --lead
   bool encoder = false;      ///< takes the step of the encoder
   bool linear_only = false;  ///< has no place for a rotary axis
   GainUnit counts = GainUnit::kAny;
