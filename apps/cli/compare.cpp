@@ -148,7 +148,7 @@ void add_compare(CLI::App& app, Action& action) {
   verb->add_option(
           "--experiment", o->what.experiment,
           "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis, by the number of axes of the machine; own, a "
-          "circle by its limits, for a machine without published parameters")
+          "circle (or the shape of --path) by its limits, for a machine without published parameters")
       ->check(one_of(experiment_ids()));
   add_parameter_options(*verb, o->what.parameters);
   add_trials(*verb, o->what.trials, o->what.threads);

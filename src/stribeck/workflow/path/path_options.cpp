@@ -9,6 +9,7 @@
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/path/own_motion.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/path/point_path.hpp>
@@ -29,102 +30,6 @@ sim::Travel make_travel(const PathOptions& o, double speed) {
 }
 
 namespace {
-
-/// Two digits, not more than x.
-double rounded_down(double x) {
-  const double step = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
-  return std::floor(x / step + 1e-9) * step;
-}
-
-/// cos on the first axis, sin on the others: on three axes an ellipse in space, as the thesis's circle.
-template <std::size_t N>
-path::Fourier<N> circle_through(const sim::Machine& machine, const std::vector<std::size_t>& axes,
-                                double radius) {
-  path::Fourier<N> p;
-  for (std::size_t i = 0; i < N; ++i) {
-    const sim::AxisLimits& l = machine.axes[axes[i]].second.limits;
-    p.axis[i].offset = 0.5 * (l.travel_min + l.travel_max);
-    p.axis[i].terms = {path::Harmonic{radius, 1.0, i == 0 ? 0.0 : -0.5 * kPi}};
-  }
-  return p;
-}
-
-/// The axes that --axes names; empty: it was not given.
-std::vector<std::size_t> named_axes(const sim::Machine& machine, const std::string& machine_file,
-                                    const PathOptions& o) {
-  std::vector<std::size_t> axes;
-  for (const std::string& name : o.axes) {
-    const std::size_t i = axis_index(machine, machine_file, name);
-    if (std::find(axes.begin(), axes.end(), i) != axes.end())
-      refuse_option("--axes", fmt::format("axis {} stands there twice", io::in_quotes(name)));
-    axes.push_back(i);
-  }
-  return axes;
-}
-
-/// Axes of the motion of a machine of one's own: those that were named, else the first three that do not turn, else the first that
-/// turn. A circle through an axis that turns and one that does not is one of millimetres and milliradians.
-std::vector<std::size_t> own_axes(const sim::Machine& machine, const std::string& machine_file,
-                                  const PathOptions& o) {
-  constexpr std::size_t kMost = 3;
-  std::vector<std::size_t> axes = named_axes(machine, machine_file, o);
-  if (axes.size() > kMost)
-    refuse_option("--axes", fmt::format("got {} axes, expected at most {}", axes.size(), kMost));
-  for (const bool rotary : {false, true}) {
-    if (!axes.empty()) break;
-    for (std::size_t i = 0; i < machine.axes.size() && axes.size() < kMost; ++i)
-      if (machine.axes[i].second.rotary == rotary) axes.push_back(i);
-  }
-  return axes;
-}
-
-/// Radius and speeds that every axis can do, with something in hand.
-std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vector<std::size_t>& axes,
-                                     const PathOptions& o, const std::vector<std::string>& speeds) {
-  constexpr double kMostRadius = 20e-3;  // [m]
-  constexpr double kShareOfTravel = 0.2;
-  constexpr double kShareOfSpeed = 0.5;
-  constexpr double kShareOfAcceleration = 0.3;
-  constexpr double kSlow = 0.1;  // of the fast one
-  double radius = kMostRadius;
-  double speed = kInfinity;
-  double acceleration = kInfinity;
-  for (const std::size_t i : axes) {
-    const sim::AxisLimits& l = machine.axes[i].second.limits;
-    radius = std::min(radius, kShareOfTravel * (l.travel_max - l.travel_min));
-    speed = std::min(speed, kShareOfSpeed * l.speed);
-    acceleration = std::min(acceleration, kShareOfAcceleration * l.acceleration);
-  }
-  const bool turns =
-      std::all_of(axes.begin(), axes.end(), [&](std::size_t i) { return machine.axes[i].second.rotary; });
-  radius = o.size.empty() ? rounded_down(radius)
-                          : travel_si("--size", o.size, quantity("m", "mm").positive(), turns);
-  // The run-in of a second reaches the speed with at most 1.875 times its mean acceleration.
-  const double fast = rounded_down(std::min({speed, std::sqrt(acceleration * radius), acceleration}));
-  std::vector<double> all{rounded_down(kSlow * fast), fast};
-  if (!speeds.empty()) all.clear();
-  for (const std::string& text : speeds)
-    all.push_back(travel_si("--speed", text, quantity("m/s", "mm/s").positive(), turns));
-  std::vector<sim::Travel> travels;
-  for (const double v : all) {
-    sim::Travel t;
-    t.laps = o.laps;
-    t.speed = v;
-    t.name = fmt::format("circle of {:.6g} mm through {} axes", radius * 1e3, axes.size());
-    if (axes.size() == 1) {
-      t.path = circle_through<1>(machine, axes, radius);
-      t.pace = path::Pace::kRate;
-      t.speed = v / radius;
-      t.name = fmt::format("sine of {:.6g} mm, up to {:.6g} mm/s", radius * 1e3, v * 1e3);
-    } else if (axes.size() == 2) {
-      t.path = circle_through<2>(machine, axes, radius);
-    } else {
-      t.path = circle_through<3>(machine, axes, radius);
-    }
-    travels.push_back(std::move(t));
-  }
-  return travels;
-}
 
 /// One that is laid into the travel if it fits.
 bool is_circle(const sim::Travel& travel) {
@@ -206,7 +111,8 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path,
                                const std::vector<std::string>& speeds) {
   if (is_file(path)) return kVaried;
-  if (!is_of_thesis(machine) && machine.axes.size() != 5 && path.path == PathOptions{}.path) return kOwn;
+  const bool shape = path.path != PathOptions{}.path;
+  if (!is_of_thesis(machine) && (machine.axes.size() != 5 || shape)) return kOwn;
   switch (machine.axes.size()) {
     case 1:
       return "uni-sim";
@@ -251,14 +157,7 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
                                  const std::vector<std::string>& speeds, const sim::Machine& machine,
                                  const std::string& machine_file) {
   if (experiment == kOwn) {
-    if (path.path != PathOptions{}.path) {
-      refuse_option(
-          "--path",
-          fmt::format("--experiment {} is a circle (take --experiment {} for another path)", kOwn, kVaried));
-    }
-    sim::CompareSpec own;
-    own.axes = own_axes(machine, machine_file, path);
-    own.travels = own_travels(machine, own.axes, path, speeds);
+    sim::CompareSpec own = own_motion(machine, machine_file, path, speeds);
     // One pole for all axes, which the stiffest demand of friction and encoder allows.
     double omega = kInfinity;
     for (const std::size_t i : own.axes) omega = std::min(omega, machine.axes[i].second.commissioning.omega);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
@@ -8,6 +10,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace stribeck::workflow::path_options_test {
 namespace {
@@ -66,6 +69,43 @@ TEST(PathOptions, ACircleIsLaidIntoTheTravel) {
   use_path(spec, path, {5e-3}, machine, "m.toml");
   EXPECT_THAT([&] { check_travel(machine, "m.toml", spec); },
               ThrowsMessage<io::InputError>(HasSubstr("this shape lies about position 0")));
+}
+
+// A machine of one's own had its circle alone; --experiment bi-table, with the gains of another machine, was the way to other shapes.
+TEST(PathOptions, AMachineOfOnesOwnTakesEveryShape) {
+  const std::string file = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/gantry-virtual.toml";
+  const sim::Machine machine = read_virtual_machine(file);
+  PathOptions path;
+  for (const auto shape : {path::Shape::kEight, path::Shape::kTrifolium}) {
+    path.path = enum_name(shape);
+    ASSERT_EQ(default_experiment(machine, path), kOwn);
+    const sim::CompareSpec spec = experiment_spec(kOwn, path, {}, machine, file);
+    ASSERT_EQ(spec.axes, (std::vector<std::size_t>{0, 1}));
+    const auto& moved = std::get<path::Fourier<2>>(spec.travels.back().path);
+    const path::Curve curve{shape, 20e-3};
+    const auto middle = [&](std::size_t i) {
+      const sim::AxisLimits& l = machine.axes[i].second.limits;
+      return 0.5 * (l.travel_min + l.travel_max);
+    };
+    const double shift = shape == path::Shape::kTrifolium ? curve.size : 0.0;  // it begins at x = 0 there
+    double radius = 1.0;
+    for (int k = 0; k < 100; ++k) {
+      const double share = 0.01 * k;
+      const auto is = moved.point(share * moved.period());
+      const auto told = curve.point(share * curve.period());
+      EXPECT_NEAR(is[0], told[0] - shift + middle(0), 1e-15) << share;
+      EXPECT_NEAR(is[1], told[1] + middle(1), 1e-15) << share;
+      const auto d = path::derivatives<2>(curve, share * curve.period());
+      const double length = norm(d[1]);
+      radius = std::min(radius, length * length * length / std::abs(d[1][0] * d[2][1] - d[1][1] * d[2][0]));
+    }
+    const auto acceleration = [&](std::size_t i) { return machine.axes[i].second.limits.acceleration; };
+    const double speed = spec.travels.back().speed;
+    EXPECT_LE(speed * speed / radius, 0.3 * std::min(acceleration(0), acceleration(1))) << path.path;
+  }
+  path.axes = {"x"};
+  EXPECT_THAT([&] { experiment_spec(kOwn, path, {}, machine, file); },
+              ThrowsMessage<io::InputError>(HasSubstr("got 1 axes, expected 2 for this shape")));
 }
 
 // The circle needs two axes; compare takes a sine.

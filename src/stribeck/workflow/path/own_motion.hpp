@@ -1,0 +1,23 @@
+#pragma once
+/// The motion of a machine of one's own: a circle, an eight or a trifolium laid into the middle of the travel of its axes, as fast as
+/// they can with something in hand. One axis moves in a sine.
+///
+/// Real time: no.
+/// Errors: InputError naming the option.
+
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+/// The axes that --axes names; empty: it was not given.
+std::vector<std::size_t> named_axes(const sim::Machine& machine, const std::string& machine_file,
+                                    const PathOptions& options);
+
+/// Axes and travels, without controllers. Speeds left out: a tenth of what the axes can do, and all of it.
+sim::CompareSpec own_motion(const sim::Machine& machine, const std::string& machine_file,
+                            const PathOptions& options, const std::vector<std::string>& speeds);
+
+}  // namespace stribeck::workflow
