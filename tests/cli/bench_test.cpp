@@ -40,6 +40,12 @@ TEST(Bench, WritesLogsAndRunsNothing) {
   EXPECT_THAT(text_of(f / "logs/biaxial-table-1-y-sine.csv"), HasSubstr("x [mm]"));
 }
 
+TEST(Bench, AnEntryWithoutAnyResultIsNoSuccess) {
+  const Said said = command({"bench", "--machines", "1", "--no-built-in", "--identifier", "/bin/false"});
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("failed"));
+}
+
 TEST(Bench, RefusesInOneLine) {
   const Folder f;
   const auto refused = [](std::vector<std::string> words, const char* part) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -33,6 +34,15 @@ std::vector<BoardEntry> entries_of(const BenchCommand& o) {
   return all;
 }
 
+/// Whether every entry of somebody's own gave a result in a case at least.
+bool all_measured(const report::BoardResult& result) {
+  const auto measured = [](const auto& row) {
+    return !row.entrant.outside || row.failures.empty() || row.failed() < row.failures.size();
+  };
+  return std::all_of(result.identification.begin(), result.identification.end(), measured) &&
+         std::all_of(result.control.begin(), result.control.end(), measured);
+}
+
 int bench(const BenchCommand& o) {
   if (!o.write_logs.empty()) {
     const auto names = write_board_logs(o.write_logs, o.what.seed, o.what.machines, o.what.threads);
@@ -57,7 +67,7 @@ int bench(const BenchCommand& o) {
   say(o.common, report::text_table(result));
   for (const std::string& words : report::failures_in_words(result)) say(o.common, words + ".\n");
   for (const std::string& warning : result.warnings) say(o.common, "Warning: " + warning + ".\n");
-  return 0;
+  return all_measured(result) ? 0 : 1;
 }
 
 }  // namespace
