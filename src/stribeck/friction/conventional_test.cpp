@@ -47,5 +47,9 @@ TEST(Conventional, MirrorsUnderSignOfVelocityForOddShape) {
   for (const double v : {1e-5, 3e-4, 2e-3}) EXPECT_EQ(steady_force(map, -v), -steady_force(map, v));
 }
 
+TEST(Conventional, AStribeckPartThatIsNotGivenHasNoStaticFriction) {
+  EXPECT_EQ(Stribeck<double>{}.alpha1, 0.0);
+}
+
 }  // namespace
 }  // namespace stribeck::friction::conventional_test

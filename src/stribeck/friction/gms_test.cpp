@@ -1,6 +1,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <stribeck/friction/dynamics.hpp>
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
@@ -55,6 +56,15 @@ TEST(Gms, TheRatesOfAllElementsAreThoseOfEach) {
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_NEAR(rates[i], (later.force[i] - s.force[i]) / kShort, 1e-3 * std::abs(rates[i])) << i;
   EXPECT_NE(rates[0], rates[1]);
+}
+
+TEST(Gms, AnIntegratorBeginsWithTheForceOfEveryElement) {
+  Gms<double>::State begun;
+  begun.force = {60.0, 90.0, 30.0, -20.0};
+  Integrated<Gms<double>> integrated(four_elements());
+  std::array<double, Integrated<Gms<double>>::kCount> q{};
+  integrated.place(begun, q.data());
+  for (std::size_t i = 0; i < begun.force.size(); ++i) EXPECT_EQ(q[i], begun.force[i]) << i;
 }
 
 TEST(Gms, OneStepEqualsManyWhateverTheirLength) {

@@ -51,6 +51,12 @@ TEST(LuGre, SteadySlidingTendsToTheCurve) {
   }
 }
 
+TEST(LuGre, WithoutADampingTheFirstForceIsThatOfTheSpringAlone) {
+  LuGre<double> law;
+  law.sigma0 = 3e8;
+  EXPECT_EQ(law.damping(1e-8), 0.0);
+}
+
 TEST(LuGre, FirstPreSlidingIsASpringOfStiffnessSigma0) {
   LuGre<double>::State s;
   const LuGre<double> undamped{3e8, 0.0, {}};

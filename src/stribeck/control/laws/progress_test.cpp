@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/control/laws/progress.hpp>
+
+namespace stribeck::control::progress_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // [s]
+using Two = Progress<2, 4>;
+
+/// One along x at 0.1 m/s without acceleration, within ±2 m/s².
+Two::Stage straight() {
+  Two::Stage s;
+  s.d = {{0.1, 0.0}};
+  s.low = {{-2.0, -2.0}};
+  s.high = {{2.0, 2.0}};
+  return s;
+}
+
+// θ̈ moves an axis by c·T + d; one that stands and must accelerate across the path is held by c·z ≤ high alone.
+TEST(Progress, AnAxisThatTheProgressDoesNotMoveLimitsTheRate) {
+  const Two progress(kPeriod);
+  for (const double sign : {1.0, -1.0}) {
+    Two::Work w;
+    w.stage[0] = straight();
+    w.stage[0].c[1] = sign * 8.0;
+    w.stage[0].d[1] = -kPeriod * w.stage[0].c[1];  // so that it does not move it
+    // The bounds of x are no bounds of y.
+    w.stage[0].high[0] = 5.0;
+    w.stage[0].low[0] = -5.0;
+    progress.reach(w, 1, 1.0);
+    EXPECT_NEAR(w.greatest[0], 2.0 / 8.0, 1e-12) << sign;
+  }
+}
+
+TEST(Progress, WhereNothingSatisfiesAllBoundsItBrakesOrKeepsItsRate) {
+  const Two progress(kPeriod);
+  Two::Work w;
+  w.stage[0] = straight();
+  w.greatest = {1.0, 1.0};
+  // x wants at least 3 m/s², y at most 1: the mean of both speeds up, which nobody asked for.
+  w.stage[0].low = {{0.3, -0.1}};
+  w.stage[0].high = {{0.4, 0.1}};
+  w.stage[0].d = {{0.1, 0.1}};
+  const Two::Moved moved = progress.advance(w, 1, {0.5, 0.0, 0.0}, 0.0);
+  EXPECT_LE(moved.pull, 0.0);
+  EXPECT_LE(moved.rate, 0.5);
+  EXPECT_NEAR(moved.place, 0.5 * (0.5 + moved.rate), 1e-15);
+}
+
+TEST(Progress, GoesAsFastAsTheBoundPermits) {
+  const Two progress(kPeriod);
+  Two::Work w;
+  w.stage[0] = straight();
+  w.greatest = {1.0, 1.0};
+  const Two::Moved moved = progress.advance(w, 1, {0.5, 0.0, 0.0}, 0.0);
+  EXPECT_NEAR(moved.pull, 2.0 / 0.1, 1e-9);  // a = d·θ̈
+  EXPECT_NEAR(moved.rate, 0.5 + kPeriod * 20.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace stribeck::control::progress_test
