@@ -84,8 +84,13 @@ class Units {
     }
     radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
     const Unit revolution(ut_scale(kTurn, radian_.get()));
-    for (const auto& [symbol, definition] :
-         {std::pair{"deg", "arc_degree"}, {"Grad", "arc_degree"}, {"Nm", "N m"}, {"pct", "0.01"}}) {
+    for (const auto& [symbol, definition] : {std::pair{"deg", "arc_degree"},
+                                             {"Grad", "arc_degree"},
+                                             {"Nm", "N m"},
+                                             {"pct", "0.01"},
+                                             {"Arms", "A"},
+                                             {"Aeff", "A"},
+                                             {"ipm", "in/min"}}) {
       const Unit unit(ut_parse(system_, definition, UT_UTF8));
       if (unit != nullptr) ut_map_symbol_to_unit(symbol, UT_ASCII, unit.get());
     }

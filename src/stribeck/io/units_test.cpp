@@ -86,6 +86,12 @@ TEST(Units, TorquesOfDataSheetsAreForcesAtADistance) {
   EXPECT_NEAR(to_si("2.5 1000/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);
   EXPECT_NEAR(to_si("2500/min", quantity("1/s", "1/s")), 2500.0 / 60.0, 1e-12);
   EXPECT_NEAR(to_si("0.005 oz-in-s2", quantity("kg m2", "kg m2")), 3.53078e-5, 1e-9);
+  // An ounce of mass at an inch: 28.3495 g and 25.4 mm.
+  for (const char* text : {"2 oz-in2", "2 oz-in^2", "2 oz in^2"})
+    EXPECT_NEAR(to_si(text, quantity("kg m2", "kg m2")), 2.0 * 28.349523e-3 * 0.0254 * 0.0254, 1e-11) << text;
+  EXPECT_NEAR(to_si("0.005 oz-in-s^2", quantity("kg m2", "kg m2")), 3.53078e-5, 1e-9);
+  EXPECT_NEAR(to_si("1200 ipm", quantity("m/s", "mm/s")), 0.508, 1e-12);
+  EXPECT_NEAR(to_si("41 N/Arms", quantity("N/A", "N/A")), 41.0, 1e-12);
   EXPECT_NEAR(to_si("3 lb in2", quantity("kg m2", "kg m2")), 8.77919e-4, 1e-8);
 }
 

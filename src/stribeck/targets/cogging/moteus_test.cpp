@@ -124,6 +124,8 @@ TEST(Moteus, RefusesWithAWayOut) {
   x.request.speed = "10 mm/s";
   EXPECT_THAT(x.refusal("moteus"), HasSubstr("--speed: does not apply"));
   x.request.zero = "1 mm";
+  x.request.gain.clear();
+  x.request.lead.clear();
   EXPECT_THAT(x.refusal("csv"), HasSubstr("--zero: applies only to --to moteus and --to all"));
   CoggingExport without(kSteadyAxis);
   EXPECT_THAT(without.refusal("moteus"), HasSubstr("friction.eccentric: no additive term"));

@@ -75,10 +75,11 @@ TEST(SteadyTarget, ASpringIsInStructuredTextAndElsewhereSaidToBeLeftOut) {
 TEST(SteadyTarget, FewerPointsMakeALargerErrorAndItIsPrinted) {
   Export x;
   x.request.gain = "12 N/%";
-  x.request.lead = "10 mm";
   const double many = error_of(x.to("isg"));
-  const double few = error_of(x.to("keba"));
   const double one = error_of(x.to("pmac"));
+  x.request.lead = "10 mm";
+  const double few = error_of(x.to("keba"));
+  x.request.lead.clear();
   EXPECT_LT(many, 0.3);  // 12 N in steps of a thousandth, and 20 points
   EXPECT_LT(many, few);
   EXPECT_LT(few, one);
@@ -139,6 +140,7 @@ TEST(SteadyTarget, ANarrowTermAtSpeedCountsForTheError) {
   x.request.speed.clear();
   x.request.gain = "1 N/bit";
   EXPECT_NEAR(error_of(x.to("pmac")), 150.0, 2.0);
+  x.request.gain.clear();
   EXPECT_LT(error_of(x.to("c")), 10.0);
 }
 
@@ -161,6 +163,7 @@ TEST(SteadyTarget, LostMotionIsTwiceTheFrictionByDirection) {
   EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 6553\n"));
   x.request.gain = "30 N/V";
   EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 6553\n"));
+  x.request.gain.clear();
   EXPECT_THAT(x.text("mujoco"), HasSubstr("frictionloss=\"60\" damping=\"0\""));
 }
 
@@ -476,6 +479,11 @@ TEST(SteadyTarget, RefusesWithAWayOut) {
   x.request.omega = "40 rad/s";
   EXPECT_THAT(x.refusal("isg"), HasSubstr("applies to --to linuxcnc alone"));
   x.request.omega.clear();
+  EXPECT_THAT(x.refusal("csv"), HasSubstr("--gain: does not apply to --to csv"));
+  x.request.gain.clear();
+  x.request.lead = "10 mm";
+  EXPECT_THAT(x.refusal("c"), HasSubstr("--lead: does not apply to --to c"));
+  x.request.lead.clear();
   x.request.names = {"x y"};
   EXPECT_THAT(x.refusal("csv"), HasSubstr("expected a letter, then letters, digits and underscores"));
   x.request.names.clear();
