@@ -119,10 +119,30 @@ class CsvReader {
     if (log_.columns.empty()) fail(0, "has no column of numbers");
   }
 
+  /// Rows of figures below those of a column of times ("Min", "Max") are no rows of the log.
+  void drop_figures_below(std::size_t clock) {
+    constexpr std::size_t kMost = 8;
+    const std::vector<std::string>& times = log_.columns[clock].texts;
+    std::size_t rows = times.size();
+    while (rows > 0 && times.size() - rows <= kMost && !time_of_day(times[rows - 1])) --rows;
+    const std::size_t below = times.size() - rows;
+    if (below == 0 || below > kMost || rows < 2 || !time_of_day(times.front())) return;
+    const std::string first = times[rows];
+    log_.rows = rows;
+    for (Column& column : log_.columns) {
+      if (column.values.size() == rows + below) column.values.resize(rows);
+      if (column.texts.size() == rows + below) column.texts.resize(rows);
+    }
+    note(std::to_string(below) + " rows from " + in_quotes(as_utf8(first)) +
+         " on below the times were left out");
+  }
+
   /// Times of day become seconds where no other column tells the time.
   void read_clock() {
     for (std::size_t c = 0; c < is_text_.size() && time_column(log_) < 0; ++c) {
-      if (is_text_[c] == 0 || !read_times_of_day(log_.columns[c])) continue;
+      if (is_text_[c] == 0) continue;
+      drop_figures_below(c);
+      if (!read_times_of_day(log_.columns[c])) continue;
       is_text_[c] = 0;
       note("column " + in_quotes(log_.columns[c].header) +
            " holds times of day; taken as seconds since its first row");

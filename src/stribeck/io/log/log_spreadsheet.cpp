@@ -122,6 +122,13 @@ std::size_t lines_of_labview(std::string_view text) {
   return above;
 }
 
+/// Cells of a row without the empty ones at its end, with which spreadsheets fill a row up to the width of the table.
+std::size_t filled_cells(const std::vector<std::string_view>& row) {
+  std::size_t filled = row.size();
+  while (filled > 0 && unquoted(trimmed(row[filled - 1])).empty()) --filled;
+  return filled;
+}
+
 /// 0 where the first line has the names, or where there is no table.
 std::size_t lines_of_head(std::string_view text) {
   if (const std::size_t lines = lines_of_labview(text); lines > 0) return lines;
@@ -132,14 +139,16 @@ std::size_t lines_of_head(std::string_view text) {
   for (const char separator : {'\t', ';', ','}) {
     const auto names = names_of_table(lines, separator);
     if (!names) continue;
-    const std::size_t cells = split(lines[*names].text, separator).size();
+    const auto row = split(lines[*names].text, separator);
+    const std::size_t cells = row.size();
     if (cells <= most) continue;
     most = cells;
     // As many cells in the first line as in the table: it is no head, but where it is a key and its value.
     const auto first = split(lines.front().text, separator);
     const bool told = first.size() == 2 && !unquoted(first[1]).empty() &&
                       is_digit(unquoted(first[1]).front()) && !looks_like_number(first[0]);
-    above = *names > 0 && (first.size() != cells || told) ? lines[*names].number : 0;
+    const bool filled_up = filled_cells(first) < filled_cells(row);
+    above = *names > 0 && (first.size() != cells || filled_up || told) ? lines[*names].number : 0;
   }
   return above;
 }

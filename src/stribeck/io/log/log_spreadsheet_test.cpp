@@ -121,6 +121,14 @@ TEST(Spreadsheet, TimesOfDay) {
   EXPECT_NEAR(night.columns[0].values[1], 0.2, 1e-10);
 }
 
+TEST(Spreadsheet, FiguresBelowTimesOfDayAreLeftOut) {
+  const Log log = parse(
+      "Time;;x [mm];f [N];\n23:59:59.998;;0;1;\n23:59:59.999;;1;2;\n00:00:00.000;;2;3;\nMin;;0;1;\nMax;;2;3;\n");
+  EXPECT_THAT(log.at("x").values, ElementsAre(0, 1, 2));
+  EXPECT_EQ(log.at("Time").values.size(), 3U);
+  EXPECT_NEAR(log.at("Time").values[2], 2e-3, 1e-9);
+}
+
 TEST(Spreadsheet, TimesOfDayBesideATimeStayText) {
   const Log log = parse("clock,t_s,x_mm\n07:15:23,0,1\n07:15:24,1,2\n");
   EXPECT_EQ(log.columns[0].texts.size(), 2U);
@@ -348,6 +356,22 @@ TEST(Spreadsheet, AHeadMayHaveAsManyCellsAsTheTable) {
   EXPECT_DOUBLE_EQ(log.columns.at(0).values.at(1), 2e-3);
   EXPECT_DOUBLE_EQ(
       parse("Abtastzeit [\u00B5s];2000\nx [mm];i [A]\n1;2\n2;3\n3;4\n").columns.at(0).values.at(1), 2e-3);
+}
+
+// A spreadsheet fills every row up to the width of the widest.
+TEST(Spreadsheet, AHeadMayBeFilledUpToTheWidthOfTheTable) {
+  for (const char* more : {"", ";;"}) {
+    std::string text;
+    for (const char* line :
+         {"Recorder;V1.2;", "Machine;Mill 3;", "Date;2026-11-27;", ";;", "Time;Position;Force", "s;mm;N",
+          "0;1.5;2", "0.1;1.6;2", "0.2;1.7;3", "0.3;1.8;2"})
+      text += std::string(line) + more + "\n";
+    const Log log = parse_log(text, "a.csv");
+    ASSERT_GE(log.columns.size(), 3U) << text;
+    EXPECT_EQ(log.columns[1].name, "Position");
+    EXPECT_EQ(log.columns[1].unit_text, "mm");
+    EXPECT_THAT(log.columns[1].values, ElementsAre(1.5, 1.6, 1.7, 1.8));
+  }
 }
 
 TEST(Spreadsheet, LengthsOfTheUserHaveNoUnit) {

@@ -10,7 +10,7 @@ namespace stribeck::io::detail {
 
 /// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
 /// "X1_CurrentFeedback" or "run_a" must not get one.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 75> kSuffixes{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 76> kSuffixes{{
     {"s", "s"},
     {"ms", "ms"},
     {"us", "us"},
@@ -74,6 +74,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 75> k
     {"N_per_A", "N/A"},
     {"sec", "s"},
     {"SEC", "s"},
+    {"S", "s"},
     {"msec", "ms"},
     {"usec", "us"},
     {"MS", "ms"},
