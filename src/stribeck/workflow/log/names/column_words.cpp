@@ -95,6 +95,7 @@ std::optional<NameMeaning> found_in(const std::array<Parameter, 12>& known, int 
 /// The sub-index is 0. A number without such a mark is no index.
 std::optional<int> object_index(std::string_view name) {
   name = name.substr(0, name.find(' '));
+  if (name.ends_with(':')) name.remove_suffix(1);  // "0x6064:000: Position actual value"
   bool marked = false;
   for (const std::string_view mark : {"0x", "#x", "16#"}) {
     if (!name.starts_with(mark)) continue;
@@ -343,6 +344,34 @@ std::string unit_of_object(const std::string& header) {
 
 namespace {
 
+/// Small letters, also of the Latin and Cyrillic ones that UTF-8 writes with two bytes: "É", "Ž", "С".
+std::string small_letters(const std::string& text) {
+  std::string out = lower_case(text);
+  for (std::size_t i = 0; i + 1 < out.size(); ++i) {
+    const auto first = static_cast<unsigned char>(out[i]);
+    const auto second = static_cast<unsigned char>(out[i + 1]);
+    const auto set = [&](unsigned a, unsigned b) {
+      out[i] = static_cast<char>(a);
+      out[i + 1] = static_cast<char>(b);
+    };
+    if (first == 0xC3 && second >= 0x80 && second <= 0x9E && second != 0x97) {
+      set(first, second + 0x20U);  // À to Þ
+    } else if ((first == 0xC4 || first == 0xC5) && second >= 0x80 && second <= 0xBF) {
+      // Ā to ž: pairs whose first is the capital; from Ĺ to Ň and from Ź on the first has an odd number.
+      const unsigned code = ((first & 0x1FU) << 6U) | (second & 0x3FU);
+      const bool odd = (code >= 0x139 && code <= 0x148) || (code >= 0x179 && code <= 0x17E);
+      const bool single =
+          code == 0x130 || code == 0x131 || code == 0x138 || code == 0x149 || code == 0x178 || code == 0x17F;
+      if (!single && (code % 2 == 1) == odd) set(0xC0U | ((code + 1) >> 6U), 0x80U | ((code + 1) & 0x3FU));
+    } else if (first == 0xD0 && second >= 0x90 && second <= 0x9F) {
+      set(first, second + 0x20U);  // А to П
+    } else if (first == 0xD0 && second >= 0xA0 && second <= 0xAF) {
+      set(0xD1, second - 0x20U);  // Р to Я
+    }
+  }
+  return out;
+}
+
 /// "ST_X.lrActPos": the type in front of a name of a PLC program (IEC 61131-3) belongs to no word.
 std::string without_type(const std::string& header) {
   const auto dot = header.rfind('.');
@@ -405,9 +434,9 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
 std::optional<NameMeaning> meaning_of(const std::string& header, const std::string& unit) {
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;
-  if (auto found = meaning_of_name(lower_case(header), unit)) return found;
+  if (auto found = meaning_of_name(small_letters(header), unit)) return found;
   const std::string bare = without_type(header);
-  return bare == header ? std::nullopt : meaning_of_name(lower_case(bare), unit);
+  return bare == header ? std::nullopt : meaning_of_name(small_letters(bare), unit);
 }
 
 }  // namespace stribeck::workflow

@@ -90,7 +90,20 @@ TEST(ColumnWords, NamesInOtherLanguages) {
       {"Couple moteur", LogQuantity::kTorque, ""},
       {"Posición real", LogQuantity::kPosition, ""},
       {"Velocità motore", LogQuantity::kVelocity, ""},
-      {"Corrente asse Y", LogQuantity::kCurrent, "y"}};
+      {"Corrente asse Y", LogQuantity::kCurrent, "y"},
+      {"Position de consigne Z", LogQuantity::kReference, "z"},
+      {"POSITION RÉELLE", LogQuantity::kPosition, ""},
+      {"Valore di velocità motore", LogQuantity::kVelocity, ""},
+      {"Posição de referência eixo X", LogQuantity::kReference, "x"},
+      {"Werkelijke positie", LogQuantity::kPosition, ""},
+      {"Pozycja zadana", LogQuantity::kReference, ""},
+      {"ŽÁDANÁ POLOHA", LogQuantity::kReference, ""},
+      {"Скорость", LogQuantity::kVelocity, ""},
+      {"Заданное положение", LogQuantity::kReference, ""},
+      {"Фактический момент", LogQuantity::kTorque, ""},
+      {"X축 실제 위치", LogQuantity::kPosition, "x"},
+      {"토크 지령", LogQuantity::kTorque, ""},
+      {"0x6064:000: Position actual value", LogQuantity::kPosition, ""}};
   for (const auto& [name, what, axis] : all) {
     const auto found = meaning_of(name, "");
     ASSERT_TRUE(found) << name;
