@@ -4,6 +4,7 @@
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/stats/order.hpp>
+#include <utility>
 
 namespace stribeck::ident::log::parts {
 namespace {
@@ -36,6 +37,43 @@ void count_strokes(const std::vector<double>& x, double hysteresis, double near,
     while (k < x.size() && std::abs(x[k] - x[turn]) < near) ++k;
     rows_near.push_back(static_cast<double>(k - turn));
   }
+}
+
+/// Mean velocities over short windows, half a window apart, over all rows of the tables. A window is as long as the position needs
+/// to tell a speed that counts as motion.
+std::vector<double> window_velocities(const std::vector<Table>& tables, const Sampling& s) {
+  constexpr double kShortest = 0.02;        // [s]
+  constexpr double kShareOfFastest = 3e-3;  // what counts as motion
+  constexpr std::size_t kFewest = 20;       // windows in a table
+  const double step = 3.0 * std::max(s.x_noise, s.x_quantum_large);
+  std::vector<double> out;
+  double window = kShortest;
+  for (int tries = 0; tries < 8; ++tries, window *= 2.0) {
+    out.clear();
+    std::vector<double> speeds;
+    bool short_ones = false;
+    for (const Table& m : tables) {
+      const auto w = std::max<std::size_t>(2, static_cast<std::size_t>(window / m.sample_time));
+      short_ones = short_ones || m.rows() < kFewest * w;
+      for (std::size_t k = 0; k + w < m.rows(); k += w / 2)
+        out.push_back((m.x[k + w] - m.x[k]) / (static_cast<double>(w) * m.sample_time));
+    }
+    for (const double v : out) speeds.push_back(std::abs(v));
+    if (speeds.empty() || short_ones ||
+        step / window < kShareOfFastest * stats::thinned_quantile(speeds, 0.99))
+      break;
+  }
+  return out;
+}
+
+/// Replaces velocities, and speeds without their sign, where there are windows.
+void take_window_velocities(const std::vector<Table>& tables, const Sampling& s,
+                            std::vector<double>& velocities, std::vector<double>& speeds) {
+  std::vector<double> means = window_velocities(tables, s);
+  if (means.empty()) return;
+  velocities = std::move(means);
+  speeds.clear();
+  for (const double v : velocities) speeds.push_back(std::abs(v));
 }
 
 }  // namespace
@@ -73,6 +111,7 @@ Coverage cover(const std::vector<Table>& tables, const Sampling& s, const std::s
   }
   constexpr std::size_t kMost = 40000;
   std::size_t rows = 0;
+  bool sampled = false;
   for (const Table& m : tables) rows += m.rows();
   for (const Table& m : tables) {
     if (m.rows() < kFewestRows) continue;
@@ -88,6 +127,7 @@ Coverage cover(const std::vector<Table>& tables, const Sampling& s, const std::s
     if (!all) {
       for (std::size_t i = 1; i < kParts; ++i) firsts.push_back(i * (m.rows() - length) / (kParts - 1));
     }
+    sampled = sampled || !all;
     for (const std::size_t first : firsts) {
       const Table part = slice(m, first, all ? m.rows() : first + length);
       record.t = part.t;
@@ -107,6 +147,8 @@ Coverage cover(const std::vector<Table>& tables, const Sampling& s, const std::s
                                       3.0 * s.x_quantum_large, 2e-3 * (c.x_max - c.x_min)});
   for (const Table& m : tables) count_strokes(m.x, hysteresis, presliding, c, short_of_breakaway);
   if (speeds.empty()) return c;
+  // Eight parts of a long log may miss its fastest strokes, or all that go forward.
+  if (sampled) take_window_velocities(tables, s, velocities, speeds);
   c.v_max = std::max(0.0, stats::thinned_quantile(velocities, 0.999));
   c.v_min = std::min(0.0, stats::thinned_quantile(velocities, 0.001));
   c.a_max = stats::thinned_quantile(accelerations, 0.995);

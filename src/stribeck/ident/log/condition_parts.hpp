@@ -54,7 +54,8 @@ class Notes {
     rotary_ = rotary;
   }
   [[nodiscard]] bool has(std::string_view kind) const;
-  std::vector<Finding> take() { return std::move(found_); }
+  /// What was found; the same about the time stamps of several pieces of a log is one finding, of the worst piece.
+  std::vector<Finding> take();
 
  private:
   std::vector<std::string> keep_;

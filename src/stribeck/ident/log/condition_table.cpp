@@ -6,6 +6,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <string_view>
 #include <utility>
 
 namespace stribeck::ident::log::parts {
@@ -127,6 +128,41 @@ void Notes::add_all(std::string kind, const std::string& source, bool repaired, 
                     std::vector<double> values) {
   if (!wanted(kind)) return;
   found_.push_back({std::move(kind), source + ": " + what, 0, 0.0, repaired, std::move(values)});
+}
+
+std::vector<Finding> Notes::take() {
+  std::vector<Finding> out;
+  std::vector<std::size_t> times;
+  // The same file, and the same words behind the place: "file: row 3 (0.2 s): the rows are not equally spaced (a step of …".
+  const auto alike = [](const Finding& a, const Finding& b) {
+    constexpr std::size_t kWords = 20;
+    constexpr std::string_view kPlace = " s): ";
+    const auto file = [](const Finding& f) {
+      return std::string_view(f.text).substr(0, f.text.find(": row"));
+    };
+    const auto words = [&](const Finding& f) {
+      const std::size_t at = f.text.find(kPlace);
+      return at == std::string::npos ? std::string_view(f.text)
+                                     : std::string_view(f.text).substr(at + kPlace.size(), kWords);
+    };
+    return a.kind == "jitter" && b.kind == "jitter" && !a.values.empty() && !b.values.empty() &&
+           file(a) == file(b) && words(a) == words(b);
+  };
+  for (Finding& f : found_) {
+    const auto same = std::find_if(out.begin(), out.end(), [&](const Finding& g) { return alike(f, g); });
+    if (same == out.end()) {
+      out.push_back(std::move(f));
+      times.push_back(1);
+      continue;
+    }
+    ++times[static_cast<std::size_t>(same - out.begin())];
+    if (f.values.front() > same->values.front()) *same = std::move(f);
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (times[i] > 1) out[i].text += fmt::format(" (the worst of {} pieces of the log)", times[i]);
+  }
+  found_.clear();
+  return out;
 }
 
 }  // namespace stribeck::ident::log::parts

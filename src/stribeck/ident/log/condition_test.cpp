@@ -363,6 +363,46 @@ TEST(Condition, JitterIsResampled) {
     EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 5e-7) << k;  // a·T²/8 = 0.3 um
 }
 
+// Among stamps that jitter by a third of a step one comes before the last now and then; the log was refused for it.
+TEST(Condition, JitterMayPutAStampBeforeTheLast) {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> shake(0.0, 2.5e-4);
+  const Axis axis;
+  RawLog log = logged();
+  std::size_t back = 0;
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    log.x.t[k] += std::clamp(shake(engine), -7e-4, 7e-4);
+    log.x.y[k] = axis.x(log.x.t[k]);
+    if (k > 0 && log.x.t[k] < log.x.t[k - 1] && log.x.t[k - 1] - log.x.t[k] < 5e-4) ++back;
+  }
+  ASSERT_GT(back, 0U);
+  const Conditioned c = condition(log);
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_EQ(c.records[0].x.size(), log.x.t.size());
+}
+
+// A warning for each of the pieces between gaps is read by nobody.
+TEST(Condition, JitterOfManyPiecesIsOneFinding) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-1.5e-4, 1.5e-4);
+  const Axis axis;
+  RawLog log = logged();
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    const double often = k > 2000 && k < 3000 ? 2.0 : 1.0;  // the second piece is the worst
+    log.x.t[k] += often * shake(engine) + 0.5 * static_cast<double>(k / 1500);
+    log.x.y[k] = axis.x(log.x.t[k]);
+  }
+  const Conditioned c = condition(log);
+  std::vector<Finding> found;
+  for (const Finding& f : c.findings) {
+    if (f.kind == "jitter" && f.text.find("not equally spaced") != std::string::npos) found.push_back(f);
+  }
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found.front().text, HasSubstr("the worst of "));
+  EXPECT_GT(found.front().row, 1500U);
+  EXPECT_LE(found.front().row, 3001U);
+}
+
 // A computer stamps the rows of a control when they arrive: the stamps shake, the rows do not. Put where the stamps are, a speed of
 // 200 mm/s shakes the position by 40 um, which is no noise that a force could have made.
 TEST(Condition, StampsMayJitterWhereTheRowsDoNot) {

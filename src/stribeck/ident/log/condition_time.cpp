@@ -401,10 +401,34 @@ double median_step(const std::vector<double>& t) {
   return stats::thinned_quantile(std::move(steps), 0.5);
 }
 
+namespace {
+
+/// Stamps that a computer gives to rows when they arrive may come in the wrong order by a part of a step. Where all of them jitter, such a
+/// stamp is put right behind the one before; one among stamps that are even is an error and stays.
+void mend_order_of_jittering_stamps(Table& m) {
+  constexpr double kMostBack = 0.5;      // steps
+  constexpr double kLeastJitter = 0.02;  // of a step, in a tenth of the rows
+  constexpr double kBehind = 1e-3;       // steps
+  bool any = false;
+  for (std::size_t k = 1; k < m.rows(); ++k) any = any || m.t[k] < m.t[k - 1];
+  if (!any) return;
+  const double T = median_step(m.t);
+  std::vector<double> off;
+  const std::size_t stride = std::max<std::size_t>(1, m.rows() / kMostSteps);
+  for (std::size_t k = 1; k < m.rows(); k += stride) off.push_back(std::abs((m.t[k] - m.t[k - 1]) / T - 1.0));
+  if (!(T > 0.0) || stats::thinned_quantile(std::move(off), 0.9) < kLeastJitter) return;
+  for (std::size_t k = 1; k < m.rows(); ++k) {
+    if (m.t[k] < m.t[k - 1] && m.t[k - 1] - m.t[k] < kMostBack * T) m.t[k] = m.t[k - 1] + kBehind * T;
+  }
+}
+
+}  // namespace
+
 std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
   sampling.rows += m.rows();
   drop_repeated_rows(m, notes);
   mend_double_stamps(m, notes);
+  mend_order_of_jittering_stamps(m);
   std::vector<std::size_t> starts{0};
   for (std::size_t k = 1; k < m.rows(); ++k) {
     if (m.t[k] < m.t[k - 1]) starts.push_back(k);
