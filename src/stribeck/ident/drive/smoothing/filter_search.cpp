@@ -7,6 +7,7 @@
 #include <stribeck/ident/drive/smoothing/before_filter.hpp>
 #include <stribeck/ident/drive/smoothing/filter_search.hpp>
 #include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <utility>
 #include <vector>
@@ -24,6 +25,7 @@ constexpr double kKnown =
 constexpr double kVague = 0.3;        ///< half width as a share of the time
 constexpr double kCertain = 2.5;      ///< standard errors of the difference of two residuals
 constexpr double kLeastPart = 0.01;   ///< of the squares of the slow residual
+constexpr double kMuch = 0.3;         ///< the same, where nearly all strong ones are less
 constexpr double kGridPiece = 3.0;    ///< of the slow residual, in delays
 constexpr double kPiece = 5.0;        ///< of the slow residual, in times of the filter
 constexpr std::size_t kFewest = 100;  ///< rows with a column
@@ -117,7 +119,24 @@ struct Step {
   double half_width = 0.0;
 };
 
-/// Whether the squares of one residual are less than those of another at the same rows, beyond chance.
+/// Whether nearly all values of one residual that are more than noise, in either of two, are smaller than those of the other. Noise is
+/// what half of the values stay below; taking a filter off makes more of it.
+bool strong_ones_are_less(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double kStrong = 4.0;  // times the median
+  constexpr double kSignTest = 3.0;
+  std::vector<double> sizes;
+  for (std::size_t j = 0; j < a.size(); ++j) sizes.push_back(std::max(std::abs(a[j]), std::abs(b[j])));
+  const double least = kStrong * stats::median(sizes);
+  double strong = 0.0, less = 0.0;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    if (!(std::max(std::abs(a[j]), std::abs(b[j])) > least)) continue;
+    strong += 1.0, less += std::abs(a[j]) < std::abs(b[j]) ? 1.0 : 0.0;
+  }
+  return 2.0 * less - strong > kSignTest * std::sqrt(strong);
+}
+
+/// Whether the squares of one residual are less than those of another at the same rows, beyond chance. The few corners of a motion may have
+/// nearly all of the squares, and a scatter as wide as their sum: where much of it goes, it is enough that nearly all of them do.
 bool is_less(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.size() < kFewestPieces) return false;
   const auto n = static_cast<double>(a.size());
@@ -127,6 +146,7 @@ bool is_less(const std::vector<double>& a, const std::vector<double>& b) {
     sum += less, squares += less * less, all += b[j] * b[j];
   }
   const double mean = sum / n, error = std::sqrt(std::max(0.0, squares / n - mean * mean) / n);
+  if (sum > kMuch * all && strong_ones_are_less(a, b)) return true;
   return mean > kCertain * error && sum > kLeastPart * all;
 }
 
