@@ -41,6 +41,20 @@ Gain gain_of(const std::vector<double>& without, const std::vector<double>& with
   return {gain, std::sqrt(square * blocks / (blocks - 1.0))};
 }
 
+/// Whether much of the loss is gone, and nearly every block has less: a single block that a map without the terms misses by far has a scatter
+/// as large as the gain.
+bool nearly_all_gain(const std::vector<double>& without, const std::vector<double>& with) {
+  constexpr double kMuch = 0.5;
+  constexpr double kSignTest = 2.5;
+  double before = 0.0, after = 0.0, gained = 0.0;
+  const auto blocks = static_cast<double>(with.size());
+  for (std::size_t k = 0; k < with.size(); ++k) {
+    before += without[k], after += with[k];
+    gained += with[k] < without[k] ? 1.0 : 0.0;
+  }
+  return after < kMuch * before && 2.0 * gained - blocks > kSignTest * std::sqrt(blocks);
+}
+
 using Complex = std::complex<double>;
 
 /// ∫ (1 − s)·exp(i·angle·s) ds over a row.
@@ -155,6 +169,11 @@ void note_untold(const Shown& shown, const Terms& terms, Notes& notes) {
 
 }  // namespace
 
+bool predicts_better(const std::vector<double>& without, const std::vector<double>& with, double errors) {
+  const Gain gain = gain_of(without, with);
+  return gain.sum > errors * gain.error || nearly_all_gain(without, with);
+}
+
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
                                     const LinearFit& fit, const JointFit* joint) {
   const VectorXd& value = joint != nullptr ? joint->linear : fit.value;
@@ -219,7 +238,8 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
   MapChoice with = with_joint_fits(choose_map(log, rows, out.terms, out.fit, options), out.fit);
   if (!beside_bins) settle_beside_map(log, rows, search, options, std::move(terms_found), out, with);
   const Gain gain = gain_of(out.map.map.block_loss, with.map.block_loss);
-  const bool better = gain.sum > (beside_bins ? 1.0 : kErrorsBesideMaps) * gain.error;
+  const bool better =
+      predicts_better(out.map.map.block_loss, with.map.block_loss, beside_bins ? 1.0 : kErrorsBesideMaps);
   Candidate plain, periodic;
   plain.name = "without periodic terms";
   plain.parameters = static_cast<int>(out.map.map.fit.parameters() + terms.count());

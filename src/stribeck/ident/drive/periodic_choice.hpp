@@ -28,6 +28,10 @@ map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, con
 /// a third of a period a row, the value at the row itself would be larger by 20 %, and the amplitude smaller.
 PeriodicColumns columns_of(const AlignedLog& log, const map::PeriodicTerm& term);
 
+/// Whether the losses of the blocks are less with the terms: by so many standard errors of the gain, or by half of all, with nearly every
+/// block (sign test). A block that a map without the terms misses by far has a scatter as large as the gain.
+bool predicts_better(const std::vector<double>& without, const std::vector<double>& with, double errors);
+
 /// The map with the linear terms beside which it was chosen.
 struct PeriodicChoice {
   MapChoice map;
