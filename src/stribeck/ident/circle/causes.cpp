@@ -64,6 +64,18 @@ double width_of_second(const stats::Uncertainty& u, const CauseFit& fit, const C
   return u.half_width(g);
 }
 
+/// An offset or a drift of the centre, as a distance and its parts.
+void tell_set_up(const Fitted& f, const stats::Uncertainty& u, const CauseColumns& c, Cause& out) {
+  const bool drift = c.kind == CauseKind::kDrift;
+  const Offset off = drift ? Offset{} : f.offsets[static_cast<std::size_t>(c.log)];
+  const double x = off.x + f.fit.coefficients(c.first), y = off.y + f.fit.coefficients(c.first + 1);
+  out.size = std::hypot(x, y);
+  out.half_width = std::max(out.half_width, width_of_second(u, f.fit, c));
+  out.effect = (drift ? 1.0 : 2.0) * out.size;
+  out.figures.push_back({f.rows.axes[0], x * 1e6, std::nan(""), "um"});
+  out.figures.push_back({f.rows.axes[1], y * 1e6, std::nan(""), "um"});
+}
+
 /// Size, interval and the numbers that the trade knows the cause by.
 Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns& c) {
   Cause out;
@@ -126,16 +138,10 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
       figure("lag, if of second order", 1e3 * std::sqrt(std::max(0.0, 2.0 * first * radius)) / f.rows.fastest,
              std::nan(""), "ms");
       break;
-    case CauseKind::kCentre: {
-      const Offset& off = f.offsets[static_cast<std::size_t>(c.log)];
-      const double x = off.x + first, y = off.y + second;
-      out.size = std::hypot(x, y);
-      out.half_width = std::max(u.half_width(g), width_of_second(u, f.fit, c));
-      out.effect = 2.0 * out.size;
-      figure(f.rows.axes[0], x * 1e6, std::nan(""), "um");
-      figure(f.rows.axes[1], y * 1e6, std::nan(""), "um");
+    case CauseKind::kCentre:
+    case CauseKind::kDrift:
+      tell_set_up(f, u, c, out);
       break;
-    }
     default:
       break;
   }
@@ -268,22 +274,20 @@ void add_width_of_fit(const Fitted& f, const stats::Uncertainty& u, QuadrantPeak
       std::hypot(peak.half_width_95, u.half_width(column_values(f.rows, f.design.columns, at)));
 }
 
-bool is_set_up(const Cause& c) { return c.kind == CauseKind::kCentre; }
-
 void rank(std::vector<Cause>& causes) {
   double most = 0.0;
-  for (const Cause& c : causes) most = std::max(most, is_set_up(c) ? 0.0 : c.effect);
+  for (const Cause& c : causes) most = std::max(most, is_set_up(c.kind) ? 0.0 : c.effect);
   double all = 0.0;
   for (Cause& c : causes) {
     const bool clear =
         c.kind == CauseKind::kReversalSpike ? c.found : std::abs(c.size) > kBeyond * c.half_width;
     c.found = clear && c.effect > kLeastEffect && c.effect > kLeastShare * most;
-    if (c.found && !is_set_up(c)) all += c.effect;
+    if (c.found && !is_set_up(c.kind)) all += c.effect;
   }
-  for (Cause& c : causes) c.share = c.found && !is_set_up(c) ? c.effect / all : 0.0;
+  for (Cause& c : causes) c.share = c.found && !is_set_up(c.kind) ? c.effect / all : 0.0;
   std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
     if (a.found != b.found) return a.found;
-    if (is_set_up(a) != is_set_up(b)) return is_set_up(b);
+    if (is_set_up(a.kind) != is_set_up(b.kind)) return is_set_up(b.kind);
     return a.effect > b.effect;
   });
 }
@@ -296,6 +300,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   for (CircleMotion& m : motions) f.offsets.push_back(m.commanded ? take_off_centre(m) : Offset{});
   f.rows = cause_rows(motions);
   if (f.rows.rows.size() < 144) return std::nullopt;  // a row for each 2.5 degrees
+  f.rows.drifts = centre_drifts(f.rows);
   const std::vector<Pitch> pitches = find_pitches(f.rows);
   f.design = design_of(f.rows, pitches);
   f.fit = fit_with_window(f.rows, f.design);
@@ -314,8 +319,8 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   for (const CauseColumns& c : f.design.columns.causes) {
     if (c.kind == CauseKind::kCentre && !commanded) continue;
     Cause cause = cause_of(f, u, c);
-    // Each log has its own set-up; the largest offset stands for all.
-    if (c.kind == CauseKind::kCentre && c.log > 0) {
+    // Each log has its own set-up; the largest offset, and the largest drift, stand for all.
+    if (is_set_up(c.kind) && c.log > 0) {
       if (cause.size > out.causes.back().size) out.causes.back() = std::move(cause);
       continue;
     }
@@ -412,6 +417,11 @@ CauseWords words_of(CauseKind kind) {
     case CauseKind::kCentre:
       return {"set-up: the instrument stood off the centre of the circle, the machine is not to blame",
               "nothing on the machine; centre the instrument better", false};
+    case CauseKind::kDrift:
+      return {
+          "the centre of the circle moved evenly by this distance while the log was made: the machine warms up, or the instrument "
+          "or its magnet slips",
+          "repeat the measurement with a warm machine and a tight instrument", false};
   }
   return {};
 }

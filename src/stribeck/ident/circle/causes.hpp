@@ -5,7 +5,7 @@
 ///
 /// θ angle from +x, d = ±1 direction of travel (+ counter-clockwise), V feed, R radius; x along θ = 0, y along 90 degrees.
 /// The first degrees after a reversal are left out of the fit; what they hold beyond it are the quadrant peaks. A cyclic error is
-/// added where a pitch lowers the rest clearly. A cause counts as found where its size is beyond 1.5 times its 95 % interval, and
+/// added where a pitch lowers the rest clearly, and so is an even drift of the centre over a log. A cause counts as found where its size is beyond 1.5 times its 95 % interval, and
 /// its effect at least 50 nm and a hundredth of the largest one.
 ///
 /// Source: the causes are those that ball-bar users know; columns from the geometry of the circle. Intervals:
@@ -36,8 +36,12 @@ enum class CauseKind {
   kRadius,
   kLag,
   kVibration,
-  kCentre
+  kCentre,
+  kDrift
 };
+
+/// No fault of the machine, but of how the instrument stood, or of a measurement that did not stand still.
+constexpr bool is_set_up(CauseKind kind) { return kind == CauseKind::kCentre || kind == CauseKind::kDrift; }
 
 /// The reversals of one axis in one direction of travel, at one end.
 struct QuadrantPeak {
@@ -101,7 +105,7 @@ CauseWords words_of(const Diagnosis& diagnosis, CauseKind kind);
 template <>
 struct stribeck::EnumNames<stribeck::ident::circle::CauseKind> {
   using K = stribeck::ident::circle::CauseKind;
-  static constexpr std::array<std::pair<K, std::string_view>, 12> names{
+  static constexpr std::array<std::pair<K, std::string_view>, 13> names{
       {{K::kReversalSpike, "reversal spike"},
        {K::kBacklash, "backlash"},
        {K::kLateralPlay, "lateral play"},
@@ -113,5 +117,6 @@ struct stribeck::EnumNames<stribeck::ident::circle::CauseKind> {
        {K::kRadius, "radius"},
        {K::kLag, "lag"},
        {K::kVibration, "vibration"},
-       {K::kCentre, "centre offset"}}};
+       {K::kCentre, "centre offset"},
+       {K::kDrift, "centre drift"}}};
 };

@@ -29,6 +29,7 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   if (rows.feeds_differ) add(CauseKind::kLag, std::nullopt, 2);
   for (const Pitch& p : pitches) add(CauseKind::kCyclic, p.axis, 2, p.length);
   for (int log = 0; log < rows.logs; ++log) add(CauseKind::kCentre, std::nullopt, 2, 0.0, log);
+  for (int log = 0; rows.drifts && log < rows.logs; ++log) add(CauseKind::kDrift, std::nullopt, 2, 0.0, log);
   return c;
 }
 
@@ -81,6 +82,12 @@ Eigen::VectorXd column_values(const CauseRows& rows, const Columns& c, const Cau
         if (cause.log == at.log) {
           out[0] = co;
           out[1] = si;
+        }
+        break;
+      case CauseKind::kDrift:
+        if (cause.log == at.log) {
+          out[0] = at.progress * co;
+          out[1] = at.progress * si;
         }
         break;
       case CauseKind::kReversalSpike:

@@ -17,12 +17,14 @@ CauseRows mean_laps(const CauseRows& all) {
   const int steps = static_cast<int>(std::floor(2.0 * kPi / all.step));
   std::vector<double> angle;
   std::vector<double> error;
+  std::vector<double> progress;
   std::vector<CauseRow> cells;
   const auto close = [&] {
     for (std::size_t k = 0; k < cells.size(); ++k) {
       if (cells[k].samples == 0) continue;
       cells[k].angle = angle[k] / cells[k].samples;
       cells[k].error = error[k] / cells[k].samples;
+      cells[k].progress = progress[k] / cells[k].samples;
       out.rows.push_back(cells[k]);
     }
   };
@@ -34,6 +36,7 @@ CauseRows mean_laps(const CauseRows& all) {
       cells.assign(static_cast<std::size_t>(steps), CauseRow{});
       angle.assign(cells.size(), 0.0);
       error.assign(cells.size(), 0.0);
+      progress.assign(cells.size(), 0.0);
     }
     // Laps are brought to the same angles; a lap is no whole number of steps.
     const double within = row.angle - 2.0 * kPi * std::floor(row.angle / (2.0 * kPi));
@@ -44,6 +47,7 @@ CauseRows mean_laps(const CauseRows& all) {
     cells[k].samples = samples + 1;
     angle[k] += within;
     error[k] += row.error;
+    progress[k] += row.progress;
   }
   close();
   return out;
@@ -228,6 +232,29 @@ CauseFit fit_with_window(const CauseRows& rows, const Design& design) {
   if (fit.rest.size() == 0 || fit.window() < kLong || !rows.both_directions) return fit;
   fit = search.wider(std::move(fit));
   return search.shorter_of_one_axis(std::move(fit));
+}
+
+bool centre_drifts(const CauseRows& rows) {
+  constexpr double kWindow = 13.0 * kDegree;
+  constexpr double kMuch = 0.85;    // of the variance is left
+  constexpr double kCertain = 4.0;  // standard errors
+  constexpr double kAlike = 10.0;   // neighbours resemble each other: as if ten rows were one
+  CauseRows with = rows;
+  with.drifts = true;
+  const Windows windows{kWindow, kWindow};
+  const CauseFit plain = fit_causes(rows, design_of(rows, {}), windows);
+  const Design design = design_of(with, {});
+  const CauseFit fit = fit_causes(with, design, windows);
+  if (plain.rest.size() == 0 || fit.rest.size() == 0 || !fit.coefficients.allFinite() ||
+      !(fit.variance < kMuch * plain.variance))
+    return false;
+  return std::any_of(design.columns.causes.begin(), design.columns.causes.end(), [&](const CauseColumns& c) {
+    if (c.kind != CauseKind::kDrift) return false;
+    const double error =
+        std::sqrt(kAlike * fit.variance *
+                  std::max(fit.inverse(c.first, c.first), fit.inverse(c.first + 1, c.first + 1)));
+    return std::hypot(fit.coefficients(c.first), fit.coefficients(c.first + 1)) > kCertain * error;
+  });
 }
 
 std::vector<Pitch> find_pitches(const CauseRows& all) {

@@ -23,6 +23,7 @@ struct CauseRow {
   double direction = 1.0;  ///< of travel, ±1
   double feed = 0.0;       ///< [m/s]; NaN: unknown
   int samples = 0;         ///< in the mean
+  double progress = 0.0;   ///< time within its log, from −½ to ½
 };
 
 struct CauseRows {
@@ -35,6 +36,7 @@ struct CauseRows {
   bool arcs = false;  ///< a part of the circle is missing
   bool feeds_known = false;
   bool feeds_differ = false;  ///< by more than a fifth
+  bool drifts = false;        ///< the centre moves evenly with time: centre_drifts()
   double fastest = 0.0;       ///< [m/s]
 };
 
@@ -51,6 +53,8 @@ struct Offset {
 Offset take_off_centre(CircleMotion& motion);
 
 CauseRows cause_rows(const std::vector<CircleMotion>& motions);
+/// Whether an even drift of the centre over each log takes off much of what the other causes leave, beyond chance.
+bool centre_drifts(const CauseRows& rows);
 
 /// Angle from the last reversal of either axis, in the direction of travel: 0 to 90 degrees [rad].
 double after_reversal(const CauseRow& row);

@@ -30,10 +30,12 @@ void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
   CauseRow row;
   double angle = 0.0;
   double error = 0.0;
+  double time = 0.0;
   const auto close = [&] {
     if (row.samples == 0) return;
     row.angle = angle / row.samples;
     row.error = error / row.samples;
+    row.progress = time / row.samples;
     out.rows.push_back(row);
   };
   for (std::size_t i = 0; i < run.angle.size(); ++i) {
@@ -44,14 +46,28 @@ void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
       row.samples = 0;
     }
     if (row.samples == 0) {
-      row = {number, log, static_cast<int>(turned / (2.0 * kPi)), at, 0.0, 0.0, direction, run.feed, 0};
-      angle = error = 0.0;
+      row = {number, log, static_cast<int>(turned / (2.0 * kPi)), at, 0.0, 0.0, direction, run.feed, 0, 0.0};
+      angle = error = time = 0.0;
     }
     angle += run.angle[i];
     error += run.error[i];
+    time += run.time.empty() ? static_cast<double>(run.first + i) : run.time[i];
     ++row.samples;
   }
   close();
+}
+
+/// Times, or numbers of rows, of each log become −½ to ½.
+void make_progress(std::vector<CauseRow>& rows) {
+  for (auto first = rows.begin(); first != rows.end();) {
+    const auto last = std::find_if(first, rows.end(), [&](const CauseRow& r) { return r.log != first->log; });
+    const auto [low, high] = std::minmax_element(
+        first, last, [](const CauseRow& a, const CauseRow& b) { return a.progress < b.progress; });
+    const double begin = low->progress, length = high->progress - begin;
+    for (auto r = first; r != last; ++r)
+      r->progress = length > 0.0 ? (r->progress - begin) / length - 0.5 : 0.0;
+    first = last;
+  }
 }
 
 }  // namespace
@@ -78,6 +94,7 @@ CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
     }
     ++out.logs;
   }
+  make_progress(out.rows);
   out.both_directions = forward && back;
   out.feeds_known = out.feeds_known && !out.rows.empty();
   out.feeds_differ = out.feeds_known && out.fastest > 1.2 * slowest;

@@ -30,11 +30,11 @@ std::string printed_figures(const Cause& c) {
 }
 
 std::string share_of(const Cause& c) {
-  return c.kind == CauseKind::kCentre ? "set-up" : decimals(100.0 * c.share, 0) + " %";
+  return is_set_up(c.kind) ? "set-up" : decimals(100.0 * c.share, 0) + " %";
 }
 
 std::string cured(const Diagnosis& d, const Cause& c) {
-  if (c.kind == CauseKind::kCentre) return "no fault";
+  if (is_set_up(c.kind)) return "no fault";
   return words_of(d, c.kind).parameter ? "yes" : "no";
 }
 
@@ -42,7 +42,7 @@ std::string cured(const Diagnosis& d, const Cause& c) {
 std::string largest(const Diagnosis& d) {
   std::vector<std::string> names;
   for (const Cause& c : d.causes) {
-    if (!c.found || c.kind == CauseKind::kCentre || names.size() == 3) continue;
+    if (!c.found || is_set_up(c.kind) || names.size() == 3) continue;
     names.push_back(fmt::format("{} ({} µm)", cause_name(d, c), micrometres(c.effect)));
   }
   return listed(names);

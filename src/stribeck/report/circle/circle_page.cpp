@@ -282,7 +282,7 @@ const ident::circle::Cause* main_cause(const CircleReportInput& input, const Cir
   const auto* diagnosis = diagnosis_of(input, log);
   if (diagnosis == nullptr) return nullptr;
   for (const ident::circle::Cause& cause : diagnosis->causes) {
-    if (cause.found && cause.kind != ident::circle::CauseKind::kCentre) return &cause;
+    if (cause.found && !is_set_up(cause.kind)) return &cause;
   }
   return nullptr;
 }
