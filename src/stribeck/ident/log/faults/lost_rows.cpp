@@ -95,6 +95,26 @@ double usual_spread(const std::vector<Table>& tables) {
   return spreads.size() < 50 ? 0.0 : stats::thinned_quantile(std::move(spreads), 0.5);
 }
 
+/// The smallest step that is taken more than a few times, beyond the digits of the log: that of an encoder whose counts are no whole number of
+/// these digits, such as 0.1 um in inches.
+double smallest_step(const std::vector<Table>& tables, double digit) {
+  constexpr std::size_t kFew = 20;
+  std::vector<double> smallest;  // a heap, the largest of them first
+  for (const Table& m : tables) {
+    for (std::size_t k = 1; k < m.rows(); ++k) {
+      const double step = std::abs(m.x[k] - m.x[k - 1]);
+      if (!(step > 1.5 * digit) || (smallest.size() == kFew && step >= smallest.front())) continue;
+      if (smallest.size() == kFew) {
+        std::pop_heap(smallest.begin(), smallest.end());
+        smallest.pop_back();
+      }
+      smallest.push_back(step);
+      std::push_heap(smallest.begin(), smallest.end());
+    }
+  }
+  return smallest.size() < kFew ? 0.0 : smallest.front();
+}
+
 enum class Fault : std::uint8_t { kNone, kLost, kStale, kRepeated };
 
 struct Place {
@@ -317,7 +337,8 @@ void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes&
   if (tables.front().x.empty()) return;
   const std::size_t before = counted_steps(tables);
   const double least =
-      std::max(kBeyondUsualSpread * usual_spread(tables), kQuanta * sampling.x_quantum_large);
+      std::max(kBeyondUsualSpread * usual_spread(tables),
+               kQuanta * std::max(sampling.x_quantum_large, smallest_step(tables, sampling.x_quantum_large)));
   double later = 0.0;
   std::size_t run = tables.front().run;
   for (Table& m : tables) {

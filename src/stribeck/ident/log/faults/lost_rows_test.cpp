@@ -158,6 +158,23 @@ TEST(LostRows, CoarseStepsAreNoLostRows) {
   }
 }
 
+// Counts of 0.1 um in inches of seven digits: no whole number of digits. At 0.1005 mm/s every two hundredth row has two of them.
+TEST(LostRows, CountsInInchesAreNoLostRows) {
+  constexpr double kDigit = 25.4e-3 * 1e-7, kCount = 1e-7, kSpeed = 0.1005e-3;
+  RawLog log;
+  log.source = "log.csv";
+  double at = 0.0;
+  for (std::size_t k = 0; k < 40000; ++k) {
+    const double v = k / 4000 % 2 == 0 ? kSpeed : -kSpeed;
+    at += 1e-3 * v;
+    log.x.t.push_back(1e-3 * static_cast<double>(k));
+    log.x.y.push_back(kDigit * std::round(kCount * std::round(at / kCount) / kDigit));
+    log.f.y.push_back(std::copysign(20.0, v));
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), testing::Not(testing::AnyOf(Contains("lost"), Contains("stale")))) << texts(c);
+}
+
 TEST(LostRows, KeepLeavesThemAlone) {
   const RawLog truth = strokes(9, true);
   RawLog log = truth;
