@@ -34,7 +34,7 @@ constexpr double kMostTable = 1.05;     // of the whole mass
 constexpr double kFromBorder = 1.1;     // in frequency
 constexpr int kAround = 12;             // steps to half and to twice the frequency
 constexpr double kUsualDamping = 0.04;
-constexpr double kMostDamping = 0.2;  // ratio; more looks like a filter of the force
+constexpr double kMostDamping = 0.15;  // ratio; more looks like a filter of the force
 constexpr double kMuchDamping =
     0.1;  // ratio; at a frequency that is not told, this looks like an error of the shift
 constexpr double kAtRest = 0.01;  // of the top speed
