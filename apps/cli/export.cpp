@@ -99,14 +99,15 @@ void add_export(CLI::App& app, Action& action) {
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
   verb->add_option(
           "--speed", o->what.speed,
-          "Largest speed of a table or a fit, or feed on the circle for sinumerik, tnc and fanuc; left out: that of the identified range, on a circle as far as the acceleration of the machine, or 1 m/s2, permits")
+          "Largest speed of a table or a fit; for sinumerik, tnc and fanuc, and for all with --controller, the feed on the circle; left out: that of the identified range, on a circle as far as the acceleration of the machine, or 1 m/s2, permits")
       ->type_name("SPEED");
   verb->add_option(
           "--gain", o->what.gain,
-          "For controls that count in a unit of their own: the force of one unit at the axis, e.g. \"12.5 N/%\" or \"140 N/A\"")
+          "For controls that count in a unit of their own: the force of one unit at the axis, e.g. \"12.5 N/%\" or \"140 N/A\"; of axes with different drives \"x=12.5 N/%,y=20 N/%\"")
       ->type_name("FORCE/UNIT");
-  verb->add_option("--lead", o->what.lead,
-                   "For controls that count at the motor: travel of the axis per turn of the motor")
+  verb->add_option(
+          "--lead", o->what.lead,
+          "For controls that count at the motor: travel of the axis per turn of the motor, e.g. \"10 mm\" or \"x=10 mm,y=5 mm\"")
       ->type_name("LENGTH");
   verb->add_option(
           "--resolution", o->what.resolution,

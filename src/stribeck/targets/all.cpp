@@ -166,7 +166,7 @@ Exported write_all(const ExportRequest& asked) {
   out.text = fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
                          report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
                          report::right_aligned("RMS error", 12), "what is written");
-  std::string besides;
+  std::string besides = word_of_common_gain(o);
   for (const auto& [t, w] : all) {
     const std::string file = file_in(o, t->name, t->extension);
     io::write_atomically(file, w.text);

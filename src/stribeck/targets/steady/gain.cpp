@@ -16,22 +16,63 @@ namespace stribeck::targets {
 using workflow::option_si;
 using workflow::refuse_option;
 
-std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
+namespace {
+
+/// The unit behind the last slash, without blanks.
+std::string unit_behind(const std::string& gain) {
+  std::string unit = gain.substr(std::min(gain.rfind('/') + 1, gain.size()));
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  return unit;
+}
+
+}  // namespace
+
+std::string text_of_axis(const char* option, const std::string& text, const std::string& axis) {
+  if (text.find('=') == std::string::npos) return text;
+  const auto trimmed = [](std::string_view part) {
+    const std::size_t first = part.find_first_not_of(' ');
+    if (first == std::string_view::npos) return std::string_view();
+    return part.substr(first, part.find_last_not_of(' ') - first + 1);
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string_view part = std::string_view(text).substr(at, end - at);
+    const std::size_t equal = part.find('=');
+    if (equal != std::string_view::npos && trimmed(part.substr(0, equal)) == axis)
+      return std::string(trimmed(part.substr(equal + 1)));
+    at = end + 1;
+  }
+  refuse_option(option, fmt::format("got {}, which says nothing of axis {} (write {}=… for each axis)",
+                                    io::in_quotes(text), axis, axis));
+}
+
+std::string word_of_common_gain(const ExportRequest& o) {
+  const auto common = [](const std::string& text) {
+    return !text.empty() && text.find('=') == std::string::npos;
+  };
+  if (o.files.size() < 2 || (!common(o.gain) && !common(o.lead))) return {};
+  return fmt::format("One {} counts for all axes; where their drives differ, give each its own: {}.\n",
+                     common(o.gain) ? "--gain" : "--lead",
+                     common(o.gain) ? "--gain \"x=12 N/%,y=20 N/%\"" : "--lead \"x=10 mm,y=5 mm\"");
+}
+
+std::pair<double, std::string> gain_of(const ExportRequest& o, const std::string& axis, bool rotary) {
   if (o.gain.empty()) return {std::numeric_limits<double>::quiet_NaN(), {}};
-  const std::size_t slash = o.gain.rfind('/');
-  if (slash == std::string::npos || slash + 1 == o.gain.size()) {
+  const std::string text = text_of_axis("--gain", o.gain, axis);
+  const std::size_t slash = text.rfind('/');
+  if (slash == std::string::npos || slash + 1 == text.size()) {
     refuse_option(
         "--gain",
         fmt::format("got {}, expected the force of one unit of the control, e.g. \"12.5 N/%\" or \"140 N/A\"",
-                    io::in_quotes(o.gain)));
+                    io::in_quotes(text)));
   }
-  std::string unit = gain_unit(o);
+  std::string unit = unit_behind(text);
   constexpr std::string_view kLetters =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%\xe2\x80\xb0._-";
   if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
     refuse_option("--gain",
                   fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
-  const std::string force = o.gain.substr(0, slash);
+  const std::string force = text.substr(0, slash);
   // The force of an axis that turns is a torque.
   const bool torque = rotary && force.find('m') != std::string::npos;
   return {option_si("--gain", force, (torque ? quantity("N m", "N m") : quantity("N", "N")).positive()),
@@ -110,11 +151,7 @@ std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
                      bits ? "output" : "rated torque or current");
 }
 
-std::string gain_unit(const ExportRequest& o) {
-  std::string unit = o.gain.substr(std::min(o.gain.rfind('/') + 1, o.gain.size()));
-  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
-  return unit;
-}
+std::string gain_unit(const ExportRequest& o) { return unit_behind(o.gain); }
 
 bool is_share(std::string_view unit) { return unit == "%" || unit == "percent" || is_per_mille(unit); }
 

@@ -11,8 +11,13 @@
 
 namespace stribeck::targets {
 
+/// What an option says of an axis: "x=10 mm,y=5 mm" each its own, "10 mm" the same of all. Refuses one that leaves the axis out.
+std::string text_of_axis(const char* option, const std::string& text, const std::string& axis);
+/// A sentence where several axes were given the same gain or lead, which those of different drives are not; else nothing.
+std::string word_of_common_gain(const ExportRequest& request);
+
 /// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque.
-std::pair<double, std::string> gain_of(const ExportRequest& request, bool rotary);
+std::pair<double, std::string> gain_of(const ExportRequest& request, const std::string& axis, bool rotary);
 
 /// The unit behind the slash, without blanks; whether it is a share of the rated torque: % or ‰.
 std::string gain_unit(const ExportRequest& request);

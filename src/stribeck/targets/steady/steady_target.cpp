@@ -107,8 +107,10 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.fastest = a.identified = file.identified_speed().value_or(0.0);
   if (file.uncertainty) a.told_from = file.uncertainty->told_from;
   if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
-  std::tie(a.gain, a.unit) = gain_of(o, a.rotary);
-  a.lead = o.lead.empty() ? kUnknown : travel_si("--lead", o.lead, quantity("m", "mm").positive(), a.rotary);
+  std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary);
+  a.lead = o.lead.empty() ? kUnknown
+                          : travel_si("--lead", text_of_axis("--lead", o.lead, name),
+                                      quantity("m", "mm").positive(), a.rotary);
   a.resolution = o.resolution.empty()
                      ? kUnknown
                      : option_si("--resolution", o.resolution, quantity("m", "um").positive());
@@ -139,6 +141,8 @@ Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& 
   Axis a = axis_of(o, i, name);
   if (!o.speed.empty()) {
     a.fastest = travel_si("--speed", o.speed, quantity("m/s", "mm/s").positive(), a.rotary);
+    // Beside a loop it is the feed on a circle: the table goes on to where the axis was identified.
+    if (!o.controller.empty()) a.fastest = std::max(a.fastest, a.identified);
   } else if (!(a.fastest > 0.0)) {
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", a.file));
@@ -461,7 +465,7 @@ Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   if (!w.circle.is_null()) out.json["circle"] = w.circle;
   const WrittenBeside beside = write_beside(target, o.output);
   if (!beside.file.empty()) out.json["beside"] = beside.file;
-  out.text = w.words + fmt::format("Written to {}.\n", o.output) + beside.words;
+  out.text = w.words + word_of_common_gain(o) + fmt::format("Written to {}.\n", o.output) + beside.words;
   return out;
 }
 

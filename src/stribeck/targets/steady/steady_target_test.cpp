@@ -114,6 +114,31 @@ TEST(SteadyTarget, SharesOfTheRatedTorqueTakeNoOtherUnit) {
 }
 
 // A table that began at a thousandth of the top speed would not hold a rise of friction below it.
+// Motors of different axes have different gains and leads; one for all was taken without a word.
+TEST(SteadyTarget, EveryAxisMayHaveItsOwnGainAndLead) {
+  Export x;
+  x.request.files.push_back(x.request.files.front());
+  x.request.gain = "x=12 N/%, y=24 N/%";
+  x.request.lead = "x=10 mm,y=5 mm";
+  const targets::Exported own = x.to("keba");
+  const std::string text = text_of(x.request.output);
+  EXPECT_THAT(text, HasSubstr("Axis y"));
+  EXPECT_THAT(own.text, Not(HasSubstr("counts for all axes")));
+  const auto of_axis = [](const char* gain, const char* lead) {
+    Export one;
+    one.request.gain = gain;
+    one.request.lead = lead;
+    const std::string all = one.text("keba");
+    return all.substr(all.find("index 0"), all.find("index 4") - all.find("index 0"));
+  };
+  EXPECT_THAT(text, HasSubstr(of_axis("12 N/%", "10 mm")));
+  EXPECT_THAT(text, HasSubstr(of_axis("24 N/%", "5 mm")));
+  x.request.gain = "12 N/%";
+  EXPECT_THAT(x.to("keba").text, HasSubstr("One --gain counts for all axes"));
+  x.request.gain = "x=12 N/%,z=24 N/%";
+  EXPECT_THAT(x.refusal("keba"), HasSubstr("which says nothing of axis y (write y=… for each axis)"));
+}
+
 TEST(SteadyTarget, ANarrowRiseTowardsStandstillIsInTheTable) {
   Export x(
       "mass = \"80 kg\"\nvelocity_range = [\"-500 mm/s\", \"500 mm/s\"]\n[friction.steady]\nkind = \"conventional\"\n"
