@@ -95,6 +95,7 @@ TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
   // Nor is a wrong model taken for a late force.
   EXPECT_THAT(pulled.out + pulled.err, ::testing::Not(HasSubstr("the force stands")));
   const Said level = command({"verify", axis, folder.write("level.csv", log_text(26.0))});
+  EXPECT_THAT(level.out + level.err, HasSubstr("friction that does not depend on the speed, 5.92 N more"));
   EXPECT_THAT(level.out + level.err, ::testing::Not(HasSubstr("grows with position")));
 }
 

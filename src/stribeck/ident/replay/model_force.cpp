@@ -75,6 +75,8 @@ class Scored {
     if (n < options_.drop + kFewestRows * out_.factor) return std::move(out_);
     motion_ = motion_of(record_.x);
     out_.measured = thin(record_.f);
+    out_.velocity = thin(motion_.v);
+    out_.acceleration = thin(motion_.a);
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
     pick_moving_rows();

@@ -78,12 +78,14 @@ struct ForceError {
   double of_log = kNaN;           ///< largest share of the force that this record makes a right model miss
   double of_log_moving = kNaN;    ///< the same of the rows in which the axis moves
   std::vector<RecordPhase> phases;
-  double cut_off = kNaN;         ///< that was used [Hz]
-  double band = kNaN;            ///< up to which the decimated rows are flat [Hz]
-  std::size_t factor = 1;        ///< of the decimation
-  std::vector<std::size_t> row;  ///< of the record, of each decimated row
-  std::vector<double> measured;  ///< force of it, aligned [N]
-  std::vector<double> modelled;  ///< with the phases of this record [N]
+  double cut_off = kNaN;             ///< that was used [Hz]
+  double band = kNaN;                ///< up to which the decimated rows are flat [Hz]
+  std::size_t factor = 1;            ///< of the decimation
+  std::vector<std::size_t> row;      ///< of the record, of each decimated row
+  std::vector<double> measured;      ///< force of it, aligned [N]
+  std::vector<double> modelled;      ///< with the phases of this record [N]
+  std::vector<double> velocity;      ///< of the same rows [m/s]
+  std::vector<double> acceleration;  ///< [m/s²]
 
   /// Whether rests make most of the error. The force of an axis that stands lies anywhere within its friction: a model without pre-sliding
   /// knows nothing of it, and bristles know it only as far as the encoder shows how they are strained.

@@ -11,6 +11,7 @@
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/axis_file.hpp>
+#include <stribeck/workflow/judge/missed_force.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
@@ -179,29 +180,6 @@ void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<s
           : "a model without pre-sliding knows no force",
       100.0 * e.moving_relative, 100.0 * e.own_relative,
       bristles ? "verify with" : "identify the pre-sliding, or verify with"));
-}
-
-/// A force that grows with position among what a model misses.
-void note_spring(const Model& m, const ident::replay::ForceError& e, const ident::log::Record& record,
-                 std::vector<std::string>& warnings) {
-  constexpr double kMuch = 0.05;  // of the force
-  constexpr double kShare = 0.5;  // of what is missed
-  if (!(e.own_relative > kMuch) || e.row.size() < 3) return;
-  const auto n = static_cast<double>(e.row.size());
-  double x_mean = 0.0, d_mean = 0.0;
-  for (std::size_t k = 0; k < e.row.size(); ++k)
-    x_mean += record.x[e.row[k]] / n, d_mean += (e.measured[k] - e.modelled[k]) / n;
-  double xx = 0.0, xd = 0.0, dd = 0.0;
-  for (std::size_t k = 0; k < e.row.size(); ++k) {
-    const double x = record.x[e.row[k]] - x_mean, d = e.measured[k] - e.modelled[k] - d_mean;
-    xx += x * x, xd += x * d, dd += d * d;
-  }
-  if (!(xd * xd > kShare * xx * dd)) return;
-  warnings.push_back(fmt::format(
-      "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance{} (identify this log); or a "
-      "wrong mass, where the motion is a sine",
-      m.file, 100.0 * xd * xd / (xx * dd), ident::Shown(record).force_per_length(xd / xx),
-      m.model.friction.spring ? ", which is another one than that of the file" : ""));
 }
 
 /// The record without the force of a drive that gives way between motor and table, which no axis file holds, and a note; absent where
@@ -376,7 +354,8 @@ class Verification {
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
                      notes);
     note_rest(m, one.force, notes);
-    note_spring(m, one.force, record, notes);
+    if (std::string missed = missed_in_words(m.file, m.model, one.force, record); !missed.empty())
+      notes.push_back(std::move(missed));
     note_beyond_spring(m, record, notes);
     ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)
