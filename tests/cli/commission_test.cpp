@@ -181,7 +181,7 @@ TEST(Commission, TakesTheDriveOfTheMachineFileForLogsOfTheDrive) {
   EXPECT_NEAR(json["axes"][0]["mass_kg"].get<double>(), 100.0, 2.0);
   // The command that is printed works as it is.
   const std::string axis = stages.folder / "axes/x.toml";
-  EXPECT_THAT(said.out, HasSubstr("stribeck export " + axis + " --to linuxcnc --lincurve -o x.hal"));
+  EXPECT_THAT(said.out, HasSubstr("stribeck export " + axis + " --to all -o exports-x"));
   const Said table =
       command({"export", axis, "--to", "linuxcnc", "--lincurve", "-o", stages.folder / "x.hal"});
   EXPECT_EQ(table.code, 0) << table.err;

@@ -272,12 +272,12 @@ TEST(LogFormats, NiDaq) {
 
 TEST(LogFormats, UnitsInCapitals) {
   const Log log = parse_log(
-      "TIME [SEC],POS [MM],VEL [MM/MIN],TRQ [NM],CUR [AMPS],TABLE [DEG],DRIVE_RPM,AXIS (M)\n"
-      "0,1,2,3,4,5,6,7\n0.1,2,3,4,5,6,7,8\n0.2,3,4,5,6,7,8,9\n",
+      "TIME [SEC],POS [MM],VEL [MM/MIN],TRQ [NM],CUR [AMPS],TABLE [DEG],DRIVE_RPM,AXIS (M),Torque Actual (0.1%)\n"
+      "0,1,2,3,4,5,6,7,1\n0.1,2,3,4,5,6,7,8,2\n0.2,3,4,5,6,7,8,9,3\n",
       "a.csv");
   std::vector<std::string> units;
   for (const Column& c : log.columns) units.push_back(c.unit_text);
-  EXPECT_THAT(units, ElementsAre("s", "mm", "mm/min", "N m", "A", "deg", "rpm", testing::Ne("m")));
+  EXPECT_THAT(units, ElementsAre("s", "mm", "mm/min", "N m", "A", "deg", "rpm", testing::Ne("m"), "0.1 %"));
   EXPECT_THAT(log.notes, testing::Not(Contains(HasSubstr("is not known"))));
 }
 

@@ -102,7 +102,7 @@ void write_spring(const ident::residual::Spring& s, const ident::residual::Quali
   r.friction.spring = friction::Spring{s.stiffness, s.middle, s.from - travel, s.to + travel};
   const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance{}; it was taken off the log, the fit was made again, and it is part of the model as friction.spring; load and friction are those at {}, the middle of the travel; beyond {} to {} its force stays, because nobody measured it{}",
+      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance{}; it was taken off the log, the fit was made again, and it is part of the model as friction.spring; load and friction are those at {}, the middle of the logged motion; from {} to {} it is taken to go on, as far again on either side as was measured, and to stay beyond{}",
       people.force_per_length(s.stiffness), people.force_per_length(s.half_width),
       s.may_be_weight
           ? ", or a weight that hangs, which this angle is too small to tell (the interval of the mass holds "

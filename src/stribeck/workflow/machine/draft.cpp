@@ -125,6 +125,13 @@ const std::vector<Asked>& known_keys() {
           option, fmt::format("got {}, expected a key of {}: {}{}", io::in_quotes(key), group, keys, meant));
     }
   }
+  constexpr std::string_view kRotary = ".rotary";
+  if (key.size() > kRotary.size() && key.ends_with(kRotary))
+    refuse_option(
+        option,
+        fmt::format(
+            "got {}, but an axis is rotary by the units of its values: give travel, speed or lead in deg or rpm",
+            io::in_quotes(key)));
   refuse_option(option,
                 fmt::format("got {}, expected AXIS.GROUP.KEY=VALUE with one of the axes of --axes, e.g. {}",
                             io::in_quotes(key), near.empty() ? std::string_view(all.front()) : near));

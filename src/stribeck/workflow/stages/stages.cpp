@@ -307,8 +307,8 @@ class AxisStages {
     axis_.stage = CommissionStage::kReady;
     axis_.axis_file = path;
     axis_.axis_file_sha256 = io::hexadecimal(io::sha256(text));
-    axis_.next.push_back(fmt::format("stribeck export {} --to linuxcnc --lincurve -o {}.hal",
-                                     report::shell_quoted(path), axis_.axis));
+    axis_.next.push_back(
+        fmt::format("stribeck export {} --to all -o exports-{}", report::shell_quoted(path), axis_.axis));
   }
 
   const StageOptions& options_;

@@ -90,7 +90,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 76> k
 }};
 
 /// Spellings of units in controls, drives and their tools.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 114> kSpellings{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 124> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
@@ -169,6 +169,16 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 114> 
     {"increments", "count"},
     {"steps", "count"},
     {"Umdr.", "rev"},
+    {"0.1%", "0.1 %"},
+    {"0.1 %", "0.1 %"},
+    {"0.01%", "0.01 %"},
+    {"0.01 %", "0.01 %"},
+    {"% of rated torque", "%"},
+    {"% rated torque", "%"},
+    {"per mille", "\u2030"},
+    {"mm/sec", "mm/s"},
+    {"rev/sec", "rev/s"},
+    {"deg/sec", "deg/s"},
     {"MM", "mm"},
     {"MM/S", "mm/s"},
     {"MM/SEC", "mm/s"},
