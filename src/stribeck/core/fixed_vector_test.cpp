@@ -13,5 +13,16 @@ TEST(FixedVector, RefusesMoreThanItHolds) {
   EXPECT_EQ(v, (FixedVector<int, 2>{1, 2}));
 }
 
+TEST(FixedVector, ItsElementsMayBeChangedInALoop) {
+  FixedVector<int, 4> v{1, 2, 3};
+  int visited = 0;
+  for (int& x : v) {
+    x *= 10;
+    ++visited;
+  }
+  EXPECT_EQ(visited, 3);
+  EXPECT_EQ(v, (FixedVector<int, 4>{10, 20, 30}));
+}
+
 }  // namespace
 }  // namespace stribeck::fixed_vector_test

@@ -32,6 +32,14 @@ TEST(Taylor, SineOfWhatIsNotLinearFollowsTheChainRule) {
   EXPECT_NEAR(sin(2.0 * x).derivative(4), sin(2.0 * x + x * x - x * x).derivative(4), 1e-13);
 }
 
+// sin(t + t²) = t + t² − t³/6 − t⁴/2 + …: coefficients of one are no zeros.
+TEST(Taylor, SineOfASeriesWhoseCoefficientsAreOne) {
+  Taylor<2> two(0.0);
+  two.c[1] = two.c[2] = 1.0;
+  EXPECT_DOUBLE_EQ(sin(two).c[2], 1.0);
+  EXPECT_DOUBLE_EQ(cos(two).c[2], -0.5);
+}
+
 TEST(Taylor, AngleOfAPointOnACircleIsItsParameter) {
   // Every quadrant; the radius does not matter, even when it changes.
   for (const double phi : {0.4, 2.0, -2.5, -0.9}) {

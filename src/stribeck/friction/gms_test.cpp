@@ -67,6 +67,21 @@ TEST(Gms, AnIntegratorBeginsWithTheForceOfEveryElement) {
   for (std::size_t i = 0; i < begun.force.size(); ++i) EXPECT_EQ(q[i], begun.force[i]) << i;
 }
 
+TEST(Gms, EveryElementSlipsTowardsItsOwnShare) {
+  Gms<double> law;
+  law.elements = {GmsElement<double>{1.6e8, 0.5}, GmsElement<double>{0.8e8, 0.3},
+                  GmsElement<double>{0.4e8, 0.2}};
+  law.attraction = 1e5;
+  const SteadyParts<double> p{400.0, 0.0, 0.0};
+  const std::array<double, 3> share{0.5, 0.3, 0.2};
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    // At its share of the level it has nowhere to go, below it grows, above it falls.
+    EXPECT_NEAR(law.rate(i, share[i] * 400.0, 1.0, 1e-3, p), 0.0, 1e-9) << i;
+    EXPECT_GT(law.rate(i, share[i] * 400.0 - 1.0, 1.0, 1e-3, p), 0.0) << i;
+    EXPECT_LT(law.rate(i, share[i] * 400.0 + 1.0, 1.0, 1e-3, p), 0.0) << i;
+  }
+}
+
 TEST(Gms, OneStepEqualsManyWhateverTheirLength) {
   const auto law = four_elements();
   const test::Flat map{1000.0};

@@ -58,5 +58,18 @@ TEST(Places, MustAscend) {
   EXPECT_EQ(said, "places: positions must ascend");
 }
 
+TEST(Places, MustAscendAllTheWay) {
+  const auto complaints = [](const std::vector<double>& positions) {
+    Model m;
+    for (const double x : positions) m.places.push_back({x, 1.0, 1.0});
+    int count = 0;
+    m.validate([&](std::string_view key, std::string_view) { count += key == "places" ? 1 : 0; });
+    return count;
+  };
+  EXPECT_EQ(complaints({0.0, 5e-3, 9e-3}), 0);
+  EXPECT_EQ(complaints({-9e-3, 5e-3, 3e-3}), 1);
+  EXPECT_EQ(complaints({5e-3, 0.0, 9e-3}), 1);
+}
+
 }  // namespace
 }  // namespace stribeck::friction::places_test

@@ -56,5 +56,12 @@ TEST(KalmanObserver, AnswerIsItsOwnLag) {
   EXPECT_LT(k, 1000 * 3.0 / 60.0);
 }
 
+TEST(KalmanObserver, TheBandwidthOfADensityIsTheOneItWasMadeFor) {
+  for (const double bandwidth : {30.0, 200.0}) {
+    const double q = KalmanObserver::density(bandwidth, 1e-7, 800.0);
+    EXPECT_NEAR(KalmanObserver::bandwidth(q, 1e-7, 800.0), bandwidth, 1e-9 * bandwidth);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::kalman_observer_test
