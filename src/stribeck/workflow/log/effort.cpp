@@ -367,7 +367,12 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
 void note_second_motor(const Effort& e, const AxisColumns& columns, int motors,
                        std::vector<std::string>& notes) {
   if (!e.from.beside.empty() || columns.mapped(e.what)) return;
-  const auto others = of_other_motors(columns.log(), columns.axis(), *e.from.column, 2);
+  auto others = of_other_motors(columns.log(), columns.axis(), *e.from.column, 2);
+  // "Y1" and "Y2" may be two axes, or the two sides of a gantry.
+  if (std::string axis = columns.axis(); others.empty() && axis.size() > 1 && axis.back() == '1') {
+    axis.pop_back();
+    others = of_other_motors(columns.log(), axis, *e.from.column, 2);
+  }
   if (others.empty()) return;
   const std::string& one = header_of(*e.from.column);
   const std::string& other = header_of(*others.front());

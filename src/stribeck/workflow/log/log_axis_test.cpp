@@ -356,6 +356,13 @@ TEST(LogAxis, ASecondMotorThatIsNotUsedIsNamed) {
               Contains(HasSubstr("\"Y2 Torque (%)\" of another one is not used")));
   options.maps = {"percent=Y1 Torque (%) % + Y2 Torque (%) %"};
   EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes, Not(Contains(HasSubstr("is not used"))));
+  // The sides of a gantry may be called axes.
+  std::string gantry = "t [s],Y1 Position [mm],Y2 Position [mm],Y1 Current [A],Y2 Current [A]\n";
+  for (int k = 0; k < 10; ++k) gantry += fmt::format("{},{},{},3,1\n", 0.001 * k, k, k);
+  workflow::LogOptions side{.axis = "y1"};
+  side.gain = "50 N/A";
+  EXPECT_THAT(workflow::logged_axis(log_of(gantry), side).notes,
+              Contains(HasSubstr("\"Y2 Current [A]\" of another one is not used")));
 }
 
 // Here the numbers are those of axes: nothing is added.
