@@ -216,7 +216,8 @@ void give_feed(Track& t, const CircleOptions& o, const io::Log& log, std::size_t
 
 Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, double radius,
               std::size_t at) {
-  Track track = circle_track(log, map, radius);
+  const std::vector<std::string> wheres = o.where.empty() ? std::vector<std::string>{""} : o.where;
+  Track track = circle_track(log, map, radius, wheres.front());
   give_feed(track, o, log, at);
   Judged j;
   j.one.file = o.logs[at];
@@ -224,7 +225,11 @@ Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, 
   j.one.axes = track.axes;
   j.one.notes = track.notes;
   j.all = track.empty_copy();
-  for (const std::string& where : o.where.empty() ? std::vector<std::string>{""} : o.where) {
+  for (const std::string& where : wheres) {
+    if (circle_track(log, map, radius, where).axes != track.axes)
+      throw io::InputError(
+          {log.source, 0, where,
+           fmt::format("is a circle in another plane than {} (judge each plane alone)", wheres.front())});
     const Track chosen = chosen_rows(log, track, where);
     add_circles(j.one, log, chosen, where, radius, j.rows);
     for (std::size_t i = 0; i < chosen.row.size(); ++i) j.all.append(chosen, i);

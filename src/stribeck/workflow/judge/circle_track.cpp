@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include <stribeck/workflow/judge/circle_track.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
+#include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <utility>
 
@@ -250,10 +252,17 @@ std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack&
   return {};
 }
 
-/// Travel of an axis in all rows; NaN: the log has no position of it.
-double travel_of(const io::Log& log, const std::string& axis) {
+/// Travel of an axis in the rows that count, in all where none is marked; NaN: the log has no position of it.
+double travel_of(const io::Log& log, const std::string& axis, const std::vector<std::uint8_t>& counts) {
   try {
-    const std::vector<double> all = positions(log, position_column(log, axis));
+    std::vector<double> all = positions(log, position_column(log, axis));
+    if (counts.size() == all.size()) {
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        if (counts[k] != 0) all[kept++] = all[k];
+      }
+      all.resize(kept);
+    }
     if (all.empty()) return std::nan("");
     const auto [low, high] = std::minmax_element(all.begin(), all.end());
     return *high - *low;
@@ -274,7 +283,7 @@ std::string axis_in(const std::string& column) {
 }
 
 /// The axes of the circle: those that --map names, else the two of x, y and z that move.
-ident::circle::AxisNames axes_of_circle(const io::Log& log, const CircleMap& map) {
+ident::circle::AxisNames axes_of_circle(const io::Log& log, const CircleMap& map, const std::string& where) {
   constexpr double kStill = 0.01;  // of the travel of the others
   ident::circle::AxisNames axes{"x", "y"};
   bool named = false;
@@ -285,11 +294,27 @@ ident::circle::AxisNames axes_of_circle(const io::Log& log, const CircleMap& map
     if (const std::string own = axis_in(given->second); !own.empty()) axis = own;
   }
   if (named) return axes[0] == axes[1] ? ident::circle::AxisNames{"x", "y"} : axes;
-  const double x = travel_of(log, "x"), y = travel_of(log, "y"), z = travel_of(log, "z");
+  const std::vector<std::uint8_t> counts =
+      where.empty() ? std::vector<std::uint8_t>() : rows_with(log, where);
+  const double x = travel_of(log, "x", counts), y = travel_of(log, "y", counts),
+               z = travel_of(log, "z", counts);
   if (!std::isfinite(z)) return axes;
   if (std::isfinite(x) && !(y > kStill * std::min(x, z))) return {"x", "z"};
   if (std::isfinite(y) && !(x > kStill * std::min(y, z))) return {"y", "z"};
   return axes;
+}
+
+/// A third axis that travels as far as a circle does makes circles of its own.
+void note_other_planes(const io::Log& log, const CircleMap& map, const std::string& where, double radius,
+                       CircleTrack& t) {
+  constexpr double kAsCircle = 1.9;  // radii
+  if (!where.empty() || !map.empty() || t.axes != CircleTrack().axes) return;
+  const double z = travel_of(log, "z", {});
+  if (!(z > kAsCircle * radius)) return;
+  t.notes.push_back(fmt::format(
+      "z travels {:.4g} mm in this log: circles in planes with z are left out; judge each plane alone, --where COLUMN=VALUE or a file for "
+      "each",
+      1e3 * z));
 }
 
 /// Which way round is counter-clockwise in the plane of a G-code program.
@@ -304,7 +329,7 @@ std::string plane_words(const ident::circle::AxisNames& axes) {
 
 }  // namespace
 
-CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius) {
+CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius, const std::string& where) {
   if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, *bar, radius);
   const io::Column* first = nullptr;
   const auto values = [&](const NamedColumn& named) {
@@ -318,7 +343,7 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
     return all;
   };
   CircleTrack t;
-  t.axes = axes_of_circle(log, map);
+  t.axes = axes_of_circle(log, map, where);
   const auto on_scale = [&](std::size_t axis) { return scale_column(log, t.axes[axis]); };
   t.scale = map.count("x") + map.count("y") == 0 && on_scale(0) && on_scale(1);
   if (t.scale)
@@ -333,6 +358,7 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
   t.x = position("x", t.axes[0]);
   t.y = position("y", t.axes[1]);
   if (t.axes != CircleTrack().axes) t.notes.push_back(plane_words(t.axes));
+  note_other_planes(log, map, where, radius, t);
   if (map.count("rx") > 0) {
     t.rx = values(named_column(log, map.at("rx")));
     t.ry = values(named_column(log, map.at("ry")));

@@ -48,7 +48,9 @@ struct CircleRadius {
 /// the measured one, rounded to a number that people command.
 CircleRadius circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size);
 
-CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius);
+/// All rows; the axes of the circle are those that move in the rows of --where, all rows where that is empty.
+CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius,
+                         const std::string& where = {});
 
 /// Times of the rows [s]; empty where the log has none of one unit for all.
 std::vector<double> circle_times(const io::Log& log, std::size_t rows);

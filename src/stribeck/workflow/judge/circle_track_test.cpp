@@ -47,6 +47,24 @@ TEST(CircleTrack, IsThatOfTheTwoAxesThatMove) {
   EXPECT_EQ(yz.empty_copy().axes, yz.axes);
 }
 
+// The plane was that of all rows, in which all three axes move.
+TEST(CircleTrack, ThePlaneIsThatOfTheChosenRows) {
+  std::string text = "t [s],plane,x [mm],y [mm],z [mm]\n";
+  for (const int plane : {17, 18}) {
+    for (int k = 0; k <= 720; ++k) {
+      const double angle = 2.0 * kPi * k / 360.0;
+      const double across = 20.0 * std::sin(angle);
+      const double t = 0.01 * (k + (plane == 18 ? 1000 : 0));
+      text += fmt::format("{},{},{},{},{}\n", t, plane, 20.0 * std::cos(angle), plane == 17 ? across : 0.0,
+                          plane == 18 ? across : 0.0);
+    }
+  }
+  const io::Log log = io::parse_log(text, "planes.csv");
+  EXPECT_EQ(circle_track(log, {}, 20e-3, "plane=17").axes, (ident::circle::AxisNames{"x", "y"}));
+  EXPECT_EQ(circle_track(log, {}, 20e-3, "plane=18").axes, (ident::circle::AxisNames{"x", "z"}));
+  EXPECT_THAT(circle_track(log, {}, 20e-3).notes, Contains(HasSubstr("z travels 40 mm in this log")));
+}
+
 TEST(CircleTrack, HasTheNamesOfTheColumnsThatAreMapped) {
   const io::Log log = log_of("xz", "t [s],x [mm],q [mm],Z position [mm]");
   const CircleTrack mapped = circle_track(log, {{"y", "Z position mm"}}, 20e-3);
