@@ -49,6 +49,7 @@ class RecordsOfAxis {
 
   void add(CleanedLog log) {
     constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
+    constexpr double kFewRows = 100.0;     // so few are an axis that settles
     if (axis_.rotary) std::erase(log.notes, kRotaryNote);  // said of the first log
     axis_.rotary = axis_.rotary || log.rotary;
     for (const ident::log::Finding& f : log.log.findings) {
@@ -60,8 +61,12 @@ class RecordsOfAxis {
                                                        : fmt::format("{}: {}", log.name, note));
     }
     const ident::log::Conditioned& clean = log.log;
-    forward_ = forward_ || clean.coverage.forward > kFewForward;
-    backward_ = backward_ || clean.coverage.forward < 1.0 - kFewForward;
+    const auto counts = [&](double share) {
+      const double moving = static_cast<double>(clean.sampling.rows) * clean.coverage.moving;
+      return share > kFewForward && share * moving > std::min(kFewRows, 0.1 * moving);
+    };
+    forward_ = forward_ || counts(clean.coverage.forward);
+    backward_ = backward_ || counts(1.0 - clean.coverage.forward);
     axis_.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
     for (ident::log::Record& r : log.log.records) axis_.records.push_back(std::move(r));
     axis_.sources += (axis_.sources.empty() ? "" : ", ") + log.name;
