@@ -21,7 +21,7 @@ namespace {
 std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
   const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
   const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
-  if (!o.gain.empty() && !can_count(t, gain_unit(o)))
+  if (!o.gain.empty() && !can_count(t, o))
     return t.counts == GainUnit::kBits ? "--gain of one bit, % or V" : "--gain in % or ‰";
   if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};
   return gain && lead ? "--gain, --lead" : gain ? "--gain" : "--lead";

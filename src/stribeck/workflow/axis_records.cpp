@@ -49,7 +49,6 @@ class RecordsOfAxis {
 
   void add(CleanedLog log) {
     constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
-    constexpr double kFewRows = 100.0;     // so few are an axis that settles
     if (axis_.rotary) std::erase(log.notes, kRotaryNote);  // said of the first log
     axis_.rotary = axis_.rotary || log.rotary;
     for (const ident::log::Finding& f : log.log.findings) {
@@ -61,26 +60,29 @@ class RecordsOfAxis {
                                                        : fmt::format("{}: {}", log.name, note));
     }
     const ident::log::Conditioned& clean = log.log;
-    const auto counts = [&](double share) {
-      const double moving = static_cast<double>(clean.sampling.rows) * clean.coverage.moving;
-      return share > kFewForward && share * moving > std::min(kFewRows, 0.1 * moving);
-    };
-    forward_ = forward_ || counts(clean.coverage.forward);
-    backward_ = backward_ || counts(1.0 - clean.coverage.forward);
+    const double moving = static_cast<double>(clean.sampling.rows) * clean.coverage.moving;
+    const auto counts = [&](double share) { return share > kFewForward ? share * moving : 0.0; };
+    moving_ += moving;
+    forward_ += counts(clean.coverage.forward);
+    backward_ += counts(1.0 - clean.coverage.forward);
     axis_.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
     for (ident::log::Record& r : log.log.records) axis_.records.push_back(std::move(r));
     axis_.sources += (axis_.sources.empty() ? "" : ", ") + log.name;
   }
 
   [[nodiscard]] AxisRecords all() && {
-    axis_.one_direction = forward_ != backward_;
+    constexpr double kFewRows = 100.0;  // so few are an axis that settles
+    constexpr double kShare = 0.1;      // of a short log
+    const double least = std::min(kFewRows, kShare * moving_);
+    axis_.one_direction = !(forward_ > least) || !(backward_ > least);
     return std::move(axis_);
   }
 
  private:
   AxisRecords axis_;
-  bool forward_ = false;
-  bool backward_ = false;
+  double moving_ = 0.0;   ///< rows of all logs
+  double forward_ = 0.0;  ///< those of them that go forward
+  double backward_ = 0.0;
 };
 
 }  // namespace

@@ -226,7 +226,7 @@ Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, 
   j.one.notes = track.notes;
   j.all = track.empty_copy();
   for (const std::string& where : wheres) {
-    if (circle_track(log, map, radius, where).axes != track.axes)
+    if (where != wheres.front() && circle_track(log, map, radius, where).axes != track.axes)
       throw io::InputError(
           {log.source, 0, where,
            fmt::format("is a circle in another plane than {} (judge each plane alone)", wheres.front())});

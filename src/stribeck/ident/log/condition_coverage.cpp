@@ -39,29 +39,37 @@ void count_strokes(const std::vector<double>& x, double hysteresis, double near,
   }
 }
 
-/// Mean velocities over short windows, half a window apart, over all rows of the tables. A window is as long as the position needs
-/// to tell a speed that counts as motion.
+/// Mean velocities over windows of this time, half a window apart, over all rows of the tables.
+std::vector<double> velocities_over(const std::vector<Table>& tables, double window) {
+  std::vector<double> out;
+  for (const Table& m : tables) {
+    if (m.rows() < kFewestRows) continue;
+    const auto w = std::max<std::size_t>(2, static_cast<std::size_t>(window / m.sample_time));
+    for (std::size_t k = 0; k + w < m.rows(); k += w / 2)
+      out.push_back((m.x[k + w] - m.x[k]) / (static_cast<double>(w) * m.sample_time));
+  }
+  return out;
+}
+
+double usual_top(const std::vector<double>& velocities) {
+  std::vector<double> speeds;
+  for (const double v : velocities) speeds.push_back(std::abs(v));
+  return speeds.empty() ? 0.0 : stats::thinned_quantile(std::move(speeds), 0.99);
+}
+
+/// The same with windows as long as the position needs to tell a speed that counts as motion, and no longer than a stroke takes.
 std::vector<double> window_velocities(const std::vector<Table>& tables, const Sampling& s) {
   constexpr double kShortest = 0.02;        // [s]
   constexpr double kShareOfFastest = 3e-3;  // what counts as motion
-  constexpr std::size_t kFewest = 20;       // windows in a table
+  constexpr double kSame = 0.95;            // of the top speed: less, and a window is longer than a stroke
   const double step = 3.0 * std::max(s.x_noise, s.x_quantum_large);
-  std::vector<double> out;
   double window = kShortest;
-  for (int tries = 0; tries < 8; ++tries, window *= 2.0) {
-    out.clear();
-    std::vector<double> speeds;
-    bool short_ones = false;
-    for (const Table& m : tables) {
-      const auto w = std::max<std::size_t>(2, static_cast<std::size_t>(window / m.sample_time));
-      short_ones = short_ones || m.rows() < kFewest * w;
-      for (std::size_t k = 0; k + w < m.rows(); k += w / 2)
-        out.push_back((m.x[k + w] - m.x[k]) / (static_cast<double>(w) * m.sample_time));
-    }
-    for (const double v : out) speeds.push_back(std::abs(v));
-    if (speeds.empty() || short_ones ||
-        step / window < kShareOfFastest * stats::thinned_quantile(speeds, 0.99))
-      break;
+  std::vector<double> out = velocities_over(tables, window);
+  for (int tries = 0; tries < 7 && step / window > kShareOfFastest * usual_top(out); ++tries) {
+    window *= 2.0;
+    std::vector<double> longer = velocities_over(tables, window);
+    if (longer.empty() || usual_top(longer) < kSame * usual_top(out)) break;
+    out = std::move(longer);
   }
   return out;
 }

@@ -363,6 +363,26 @@ TEST(Condition, JitterIsResampled) {
     EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 5e-7) << k;  // a·T²/8 = 0.3 um
 }
 
+// Of a long log eight parts are looked at closely; its speeds are those of all rows, also of short strokes on a coarse encoder.
+TEST(Condition, SpeedsAreThoseOfAllRows) {
+  for (const auto& [amplitude, rate, count] :
+       {std::tuple{0.5e-3, 1.0, 1e-6}, {2e-3, 1.0, 1e-5}, {20e-3, 0.5, 1e-7}}) {
+    RawLog log;
+    log.source = "log.csv";
+    const double w = 2.0 * kPi * rate;
+    for (std::size_t k = 0; k < 50000; ++k) {
+      const double t = 1e-3 * static_cast<double>(k);
+      log.x.t.push_back(t);
+      log.x.y.push_back(count * std::round(amplitude * std::sin(w * t) / count));
+      log.f.y.push_back(std::copysign(20.0, std::cos(w * t)) - 50.0 * amplitude * w * w * std::sin(w * t));
+    }
+    const Conditioned c = condition(log);
+    EXPECT_NEAR(c.coverage.v_max, amplitude * w, 0.05 * amplitude * w) << amplitude;
+    EXPECT_NEAR(c.coverage.v_min, -amplitude * w, 0.05 * amplitude * w) << amplitude;
+    EXPECT_NEAR(c.coverage.forward, 0.5, 0.05) << amplitude;
+  }
+}
+
 // Among stamps that jitter by a third of a step one comes before the last now and then; the log was refused for it.
 TEST(Condition, JitterMayPutAStampBeforeTheLast) {
   std::mt19937_64 engine(7);

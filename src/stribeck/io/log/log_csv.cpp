@@ -126,7 +126,10 @@ class CsvReader {
     std::size_t rows = times.size();
     while (rows > 0 && times.size() - rows <= kMost && !time_of_day(times[rows - 1])) --rows;
     const std::size_t below = times.size() - rows;
-    if (below == 0 || below > kMost || rows < 2 || !time_of_day(times.front())) return;
+    if (below == 0 || below > kMost || rows < 2 || trimmed(times[rows]).empty()) return;
+    const auto end = times.begin() + static_cast<std::ptrdiff_t>(rows);
+    if (!std::all_of(times.begin(), end, [](const std::string& t) { return time_of_day(t).has_value(); }))
+      return;
     const std::string first = times[rows];
     log_.rows = rows;
     for (Column& column : log_.columns) {

@@ -18,6 +18,28 @@ using workflow::refuse_option;
 
 namespace {
 
+std::string_view without_blanks(std::string_view part) {
+  const std::size_t first = part.find_first_not_of(' ');
+  if (first == std::string_view::npos) return {};
+  return part.substr(first, part.find_last_not_of(' ') - first + 1);
+}
+
+/// Axis and value of "x=10 mm,y=5 mm"; a part without an axis has an empty one.
+std::vector<std::pair<std::string, std::string>> entries_of(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string_view part = std::string_view(text).substr(at, end - at);
+    const std::size_t equal = part.find('=');
+    if (equal == std::string_view::npos)
+      out.emplace_back("", without_blanks(part));
+    else
+      out.emplace_back(without_blanks(part.substr(0, equal)), without_blanks(part.substr(equal + 1)));
+    at = end + 1;
+  }
+  return out;
+}
+
 /// The unit behind the last slash, without blanks.
 std::string unit_behind(const std::string& gain) {
   std::string unit = gain.substr(std::min(gain.rfind('/') + 1, gain.size()));
@@ -29,21 +51,25 @@ std::string unit_behind(const std::string& gain) {
 
 std::string text_of_axis(const char* option, const std::string& text, const std::string& axis) {
   if (text.find('=') == std::string::npos) return text;
-  const auto trimmed = [](std::string_view part) {
-    const std::size_t first = part.find_first_not_of(' ');
-    if (first == std::string_view::npos) return std::string_view();
-    return part.substr(first, part.find_last_not_of(' ') - first + 1);
-  };
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::string_view part = std::string_view(text).substr(at, end - at);
-    const std::size_t equal = part.find('=');
-    if (equal != std::string_view::npos && trimmed(part.substr(0, equal)) == axis)
-      return std::string(trimmed(part.substr(equal + 1)));
-    at = end + 1;
+  for (const auto& [name, value] : entries_of(text)) {
+    if (name == axis) return value;
   }
   refuse_option(option, fmt::format("got {}, which says nothing of axis {} (write {}=… for each axis)",
                                     io::in_quotes(text), axis, axis));
+}
+
+void refuse_unknown_axes(const char* option, const std::string& text, const std::vector<std::string>& names) {
+  if (text.find('=') == std::string::npos) return;
+  std::vector<std::string> seen;
+  for (const auto& [name, value] : entries_of(text)) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      refuse_option(option,
+                    fmt::format("got {} for {}, expected axes of this export: {}", io::in_quotes(value),
+                                io::in_quotes(name), report::joined(names, ", ")));
+    if (std::find(seen.begin(), seen.end(), name) != seen.end())
+      refuse_option(option, fmt::format("axis {} stands there twice", name));
+    seen.push_back(name);
+  }
 }
 
 std::string word_of_common_gain(const ExportRequest& o) {
@@ -137,6 +163,12 @@ bool can_count(const SteadyTarget& target, std::string_view unit) {
   return target.counts == GainUnit::kBits ? bits_per(unit) > 0.0 : is_share(unit);
 }
 
+bool can_count(const SteadyTarget& target, const ExportRequest& o) {
+  const auto entries = entries_of(o.gain);
+  return std::all_of(entries.begin(), entries.end(),
+                     [&](const auto& entry) { return can_count(target, unit_behind(entry.second)); });
+}
+
 std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
   if (target.counts == GainUnit::kAny) return {};
   double most = 0.0;
@@ -150,8 +182,6 @@ std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
                      ident::Shown("m", "N", axis.rotary).force(most), report::significant(100.0 * share, 3),
                      bits ? "output" : "rated torque or current");
 }
-
-std::string gain_unit(const ExportRequest& o) { return unit_behind(o.gain); }
 
 bool is_share(std::string_view unit) { return unit == "%" || unit == "percent" || is_per_mille(unit); }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace stribeck::targets {
 
@@ -19,8 +20,12 @@ std::string word_of_common_gain(const ExportRequest& request);
 /// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque.
 std::pair<double, std::string> gain_of(const ExportRequest& request, const std::string& axis, bool rotary);
 
-/// The unit behind the slash, without blanks; whether it is a share of the rated torque: % or ‰.
-std::string gain_unit(const ExportRequest& request);
+/// Refuses an entry for an axis that is none of these.
+void refuse_unknown_axes(const char* option, const std::string& text, const std::vector<std::string>& names);
+
+/// Whether the target can count in the units of --gain, of all axes.
+bool can_count(const SteadyTarget& target, const ExportRequest& request);
+/// Whether a unit is a share of the rated torque: % or ‰.
 bool is_share(std::string_view unit);
 
 /// Whether the target can count in this unit of --gain.

@@ -331,6 +331,8 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
              "{} has no place for a rotary axis (choose csv, json, c or cia402, where N stands for N m and mm for mrad)",
              target.name)});
   const std::vector<std::string> names = names_of(o);
+  refuse_unknown_axes("--gain", o.gain, names);
+  refuse_unknown_axes("--lead", o.lead, names);
   const std::vector<std::size_t> numbers = axis_numbers(names);
   SteadyText w;
   w.words = word_of_names(o, names);

@@ -113,7 +113,6 @@ TEST(SteadyTarget, SharesOfTheRatedTorqueTakeNoOtherUnit) {
   }
 }
 
-// A table that began at a thousandth of the top speed would not hold a rise of friction below it.
 // Motors of different axes have different gains and leads; one for all was taken without a word.
 TEST(SteadyTarget, EveryAxisMayHaveItsOwnGainAndLead) {
   Export x;
@@ -135,10 +134,18 @@ TEST(SteadyTarget, EveryAxisMayHaveItsOwnGainAndLead) {
   EXPECT_THAT(text, HasSubstr(of_axis("24 N/%", "5 mm")));
   x.request.gain = "12 N/%";
   EXPECT_THAT(x.to("keba").text, HasSubstr("One --gain counts for all axes"));
-  x.request.gain = "x=12 N/%,z=24 N/%";
+  x.request.gain = "x=12 N/%";
   EXPECT_THAT(x.refusal("keba"), HasSubstr("which says nothing of axis y (write y=… for each axis)"));
+  x.request.gain = "x=12 N/%,y=24 N/%,z=24 N/%";
+  EXPECT_THAT(x.refusal("keba"), HasSubstr("got \"24 N/%\" for \"z\", expected axes of this export: x, y"));
+  // A target that cannot count in the unit of one axis is left out of all.
+  x.request.output = x.folder / "all";
+  x.request.gain = "x=140 N/A,y=12 N/%";
+  x.request.lead.clear();
+  EXPECT_THAT(x.to("all").text, HasSubstr("cia402 (--gain in % or ‰)"));
 }
 
+// A table that began at a thousandth of the top speed would not hold a rise of friction below it.
 TEST(SteadyTarget, ANarrowRiseTowardsStandstillIsInTheTable) {
   Export x(
       "mass = \"80 kg\"\nvelocity_range = [\"-500 mm/s\", \"500 mm/s\"]\n[friction.steady]\nkind = \"conventional\"\n"

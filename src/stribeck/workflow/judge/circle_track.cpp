@@ -312,7 +312,7 @@ void note_other_planes(const io::Log& log, const CircleMap& map, const std::stri
   const double z = travel_of(log, "z", {});
   if (!(z > kAsCircle * radius)) return;
   t.notes.push_back(fmt::format(
-      "z travels {:.4g} mm in this log: circles in planes with z are left out; judge each plane alone, --where COLUMN=VALUE or a file for "
+      "z travels {:.4g} mm in this log: if there are circles with z, they are left out; judge each plane alone, --where COLUMN=VALUE or a file for "
       "each",
       1e3 * z));
 }

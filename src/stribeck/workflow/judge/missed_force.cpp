@@ -60,7 +60,8 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
   const double middle = mean_of(place), level = mean_of(missed);
   std::vector<double> varying = missed;
   for (double& d : varying) d -= level;
-  const Alone spring = alone(varying, [&](std::size_t k) { return place[k] - middle; });
+  Alone spring = alone(varying, [&](std::size_t k) { return place[k] - middle; });
+  spring.share *= 1.0 - load.share;  // of all that is missed
   const ident::Shown shown(record);
   const double best = std::max({load.share, mass.share, viscous.share, coulomb.share});
   if (spring.share > kShare && spring.share > best - kNearly) {
@@ -81,7 +82,7 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
         fmt::format(
             "a constant force of {}: another weight or counterbalance than that of the file (identify this log), or an offset of the sensor",
             shown.force(load.by)));
-  if (best == mass.share && model.mass > 0.0)
+  if (best == mass.share)
     return sentence(
         mass,
         fmt::format("a mass of {:.3g} % {} than that of the file (identify this log), or a wrong --gain",

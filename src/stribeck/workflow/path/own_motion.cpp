@@ -160,6 +160,11 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vec
 
 sim::CompareSpec own_motion(const sim::Machine& machine, const std::string& machine_file,
                             const PathOptions& options, const std::vector<std::string>& speeds) {
+  if (source_of(options) != PathSource::kShape)
+    refuse_option(
+        "--path",
+        fmt::format("--experiment {} takes circle, eight or trifolium (take --experiment {} for a file)",
+                    kOwn, kVaried));
   sim::CompareSpec motion;
   motion.axes = own_axes(machine, machine_file, options);
   motion.travels = own_travels(machine, motion.axes, options, speeds);

@@ -103,6 +103,10 @@ TEST(PathOptions, AMachineOfOnesOwnTakesEveryShape) {
     const double speed = spec.travels.back().speed;
     EXPECT_LE(speed * speed / radius, 0.3 * std::min(acceleration(0), acceleration(1))) << path.path;
   }
+  path.path = "part.ngc";
+  EXPECT_THAT([&] { experiment_spec(kOwn, path, {}, machine, file); },
+              ThrowsMessage<io::InputError>(HasSubstr("own takes circle, eight or trifolium")));
+  path.path = "eight";
   path.axes = {"x"};
   EXPECT_THAT([&] { experiment_spec(kOwn, path, {}, machine, file); },
               ThrowsMessage<io::InputError>(HasSubstr("got 1 axes, expected 2 for this shape")));

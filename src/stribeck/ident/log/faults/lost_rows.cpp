@@ -95,9 +95,29 @@ double usual_spread(const std::vector<Table>& tables) {
   return spreads.size() < 50 ? 0.0 : stats::thinned_quantile(std::move(spreads), 0.5);
 }
 
-/// The smallest step that is taken more than a few times, beyond the digits of the log: that of an encoder whose counts are no whole number of
-/// these digits, such as 0.1 um in inches.
-double smallest_step(const std::vector<Table>& tables, double digit) {
+/// Whether nearly all short steps are whole numbers of a count, within the digits of the log, and not all of them one: an even speed
+/// is no count.
+bool is_count(const std::vector<Table>& tables, double count, double digit) {
+  constexpr double kShort = 5.0;  // counts
+  constexpr double kNearly = 0.9;
+  constexpr double kFewest = 100.0;
+  constexpr double kOthers = 2e-3;  // of the short steps: none, or several counts
+  double all = 0.0, whole = 0.0, others = 0.0;
+  for (const Table& m : tables) {
+    for (std::size_t k = 1; k < m.rows(); ++k) {
+      const double step = std::abs(m.x[k] - m.x[k - 1]);
+      if (step > kShort * count) continue;
+      const double counts = std::round(step / count);
+      all += 1.0;
+      whole += std::abs(step - count * counts) < 1.5 * digit * std::max(1.0, counts) ? 1.0 : 0.0;
+      others += counts == 1.0 ? 0.0 : 1.0;
+    }
+  }
+  return all > kFewest && whole > kNearly * all && others > kOthers * all;
+}
+
+/// The count of an encoder that is no whole number of the digits of the log, such as 0.1 um in inches; 0: none shows.
+double count_beside_digits(const std::vector<Table>& tables, double digit) {
   constexpr std::size_t kFew = 20;
   std::vector<double> smallest;  // a heap, the largest of them first
   for (const Table& m : tables) {
@@ -112,7 +132,13 @@ double smallest_step(const std::vector<Table>& tables, double digit) {
       std::push_heap(smallest.begin(), smallest.end());
     }
   }
-  return smallest.size() < kFew ? 0.0 : smallest.front();
+  constexpr double kLeast = 8.0;          // digits
+  constexpr double kUntold = 1.0 / 40.0;  // of a count, where the log shows no digits
+  constexpr double kCoarsest = 20e-6;     // [m]: no encoder's
+  if (smallest.size() < kFew) return 0.0;
+  const double count = smallest.front();
+  const bool may_be = count > kLeast * digit && count < kCoarsest;
+  return may_be && is_count(tables, count, digit > 0.0 ? digit : kUntold * count) ? count : 0.0;
 }
 
 enum class Fault : std::uint8_t { kNone, kLost, kStale, kRepeated };
@@ -336,9 +362,9 @@ void scale_counted(std::vector<Table>& tables, double factor) {
 void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes& notes) {
   if (tables.front().x.empty()) return;
   const std::size_t before = counted_steps(tables);
-  const double least =
-      std::max(kBeyondUsualSpread * usual_spread(tables),
-               kQuanta * std::max(sampling.x_quantum_large, smallest_step(tables, sampling.x_quantum_large)));
+  const double least = std::max(
+      kBeyondUsualSpread * usual_spread(tables),
+      kQuanta * std::max(sampling.x_quantum_large, count_beside_digits(tables, sampling.x_quantum_large)));
   double later = 0.0;
   std::size_t run = tables.front().run;
   for (Table& m : tables) {

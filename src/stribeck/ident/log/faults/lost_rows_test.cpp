@@ -175,6 +175,20 @@ TEST(LostRows, CountsInInchesAreNoLostRows) {
   EXPECT_THAT(kinds(c), testing::Not(testing::AnyOf(Contains("lost"), Contains("stale")))) << texts(c);
 }
 
+// No slow rows tell the counts of the encoder: the step of the speed itself is none.
+TEST(LostRows, AreFoundAtOneSpeedInOneDirectionToo) {
+  RawLog log;
+  log.source = "log.csv";
+  for (std::size_t k = 0; k < 20000; ++k) {
+    if (k == 5000 || k == 9000) continue;
+    log.x.y.push_back(1e-7 * std::round(1e-3 * static_cast<double>(k) * 0.1 / 1e-7));
+    log.f.y.push_back(20.0 + 0.1 * std::sin(static_cast<double>(k)));
+  }
+  renumber(log);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), Contains("lost")) << texts(c);
+}
+
 TEST(LostRows, KeepLeavesThemAlone) {
   const RawLog truth = strokes(9, true);
   RawLog log = truth;

@@ -130,6 +130,8 @@ Column column_of(std::string header, Notes& notes) {
     if (suffix.size() <= longest || header.size() < suffix.size() + 2) continue;
     const auto at = header.size() - suffix.size();
     if (header[at - 1] != '_' || header.compare(at, suffix.size(), suffix) != 0) continue;
+    // "POS_S" is of the spindle.
+    if (suffix == "S" && lower_case(header).find("time") == std::string::npos) continue;
     longest = suffix.size();
     c.name = header.substr(0, at - 1);
     c.unit_text = unit;
