@@ -91,7 +91,7 @@ TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
   const std::string axis = folder.write("axis.toml", kAxis);
   const Said pulled = command({"verify", axis, folder.write("spring.csv", log_text(20.0, 2.0))});
   EXPECT_THAT(pulled.out + pulled.err,
-              HasSubstr("% of what the model misses grows with position, by 1.98 N/mm"));
+              HasSubstr("100 % of what the model misses grows with position, by 1.98 N/mm"));
   // Nor is a wrong model taken for a late force.
   EXPECT_THAT(pulled.out + pulled.err, ::testing::Not(HasSubstr("the force stands")));
   const Said level = command({"verify", axis, folder.write("level.csv", log_text(26.0))});

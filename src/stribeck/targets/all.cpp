@@ -19,8 +19,7 @@ namespace {
 
 /// The options that a target needs and that were not given, as words; empty: none.
 std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
-  const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
-  const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+  const bool gain = t.needs_gain(), lead = t.needs_lead();
   if (!o.gain.empty() && !can_count(t, o))
     return t.counts == GainUnit::kBits ? "--gain of one bit, % or V" : "--gain in % or ‰";
   if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};

@@ -152,33 +152,23 @@ Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& 
   return a;
 }
 
-bool needs_gain(const SteadyTarget& t) {
-  return t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
-}
-
-bool needs_lead(const SteadyTarget& t) {
-  return t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
-}
-
 /// Refuses what the target would not look at: its numbers are in SI units of the axis, whatever was given.
 void refuse_without_effect(const SteadyTarget& t, const ExportRequest& o) {
-  if (!o.gain.empty() && !needs_gain(t) && !t.takes_gain)
+  if (!o.gain.empty() && !t.needs_gain() && !t.takes_gain)
     refuse_option("--gain", fmt::format("does not apply to --to {}: its numbers are in SI units", t.name));
-  if (!o.lead.empty() && !needs_lead(t) && !t.takes_lead)
+  if (!o.lead.empty() && !t.needs_lead() && !t.takes_lead)
     refuse_option("--lead",
                   fmt::format("does not apply to --to {}: it moves the axis, not the motor", t.name));
 }
 
 void check_needs(const SteadyTarget& t, const ExportRequest& o) {
-  const bool gain = needs_gain(t);
-  const bool lead = needs_lead(t);
-  if (gain && o.gain.empty()) {
+  if (t.needs_gain() && o.gain.empty()) {
     refuse_option(
         "--gain",
         fmt::format("missing: {} counts in a unit of its own; say the force of one, e.g. \"12.5 N/%\"",
                     t.name));
   }
-  if (lead && o.lead.empty())
+  if (t.needs_lead() && o.lead.empty())
     refuse_option(
         "--lead",
         fmt::format("missing: {} counts at the motor; say the travel per turn, e.g. \"10 mm\"", t.name));

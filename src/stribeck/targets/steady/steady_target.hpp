@@ -106,6 +106,13 @@ struct SteadyTarget {
   bool encoder = false;      ///< takes the step of the encoder
   bool linear_only = false;  ///< has no place for a rotary axis
   GainUnit counts = GainUnit::kAny;
+
+  [[nodiscard]] bool needs_gain() const {
+    return needs == SteadyNeeds::kGain || needs == SteadyNeeds::kGainAndLead;
+  }
+  [[nodiscard]] bool needs_lead() const {
+    return needs == SteadyNeeds::kLead || needs == SteadyNeeds::kGainAndLead;
+  }
 };
 
 /// All of them, in the order of help.

@@ -61,14 +61,14 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
   std::vector<double> varying = missed;
   for (double& d : varying) d -= level;
   Alone spring = alone(varying, [&](std::size_t k) { return place[k] - middle; });
-  spring.share *= 1.0 - load.share;  // of all that is missed
+  spring.share *= 1.0 - load.share;  // of all that is missed; its zero explains the share of the load
   const ident::Shown shown(record);
   const double best = std::max({load.share, mass.share, viscous.share, coulomb.share});
   if (spring.share > kShare && spring.share > best - kNearly) {
     return fmt::format(
         "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance{} (identify this log); or a "
         "wrong mass, where the motion is a sine",
-        file, 100.0 * spring.share, shown.force_per_length(spring.by),
+        file, 100.0 * (load.share + spring.share), shown.force_per_length(spring.by),
         model.friction.spring ? ", which is another one than that of the file" : "");
   }
   if (!(best > kShare)) return {};
@@ -85,8 +85,8 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
   if (best == mass.share)
     return sentence(
         mass,
-        fmt::format("a mass of {:.3g} % {} than that of the file (identify this log), or a wrong --gain",
-                    100.0 * std::abs(mass.by) / model.mass, more(mass.by)));
+        fmt::format("a mass that is {:.3g} % {} than that of the file (identify this log), or a wrong --gain",
+                    100.0 * std::abs(mass.by) / model.mass, mass.by > 0.0 ? "larger" : "smaller"));
   if (best == coulomb.share)
     return sentence(
         coulomb,

@@ -134,7 +134,7 @@ double count_beside_digits(const std::vector<Table>& tables, double digit) {
   }
   constexpr double kLeast = 8.0;          // digits
   constexpr double kUntold = 1.0 / 40.0;  // of a count, where the log shows no digits
-  constexpr double kCoarsest = 20e-6;     // [m]: no encoder's
+  constexpr double kCoarsest = 20e-6;     // [m]: encoders are finer
   if (smallest.size() < kFew) return 0.0;
   const double count = smallest.front();
   const bool may_be = count > kLeast * digit && count < kCoarsest;
