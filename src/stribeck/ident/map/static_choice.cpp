@@ -131,6 +131,18 @@ bool has_idle_term(const BranchFit& fit, const Bins& bins) {
   });
 }
 
+/// Whether the height of a narrow term is not seen: it is centred beyond the fastest bin and reaches less than half its height there. A
+/// wide one is the curvature of the branch.
+bool has_term_beyond(const BranchFit& fit, const Bins& bins) {
+  constexpr double kSeen = 0.5;     // of its height
+  constexpr double kNarrow = 0.15;  // of the largest speed
+  const double last = bins.u.back();
+  return std::any_of(fit.terms.begin(), fit.terms.end(), [&](const FitTerm& g) {
+    const double off = (last - g.b) / g.c;
+    return g.c < kNarrow && g.b > last && std::exp(-off * off) < kSeen;
+  });
+}
+
 /// All numbers of terms for one direction: the fit to all blocks, and the held-out error with each block left out.
 Branches score_branches(const SideSums& side, int s, const StaticOptions& options) {
   const std::size_t blocks = side.block.size();
@@ -193,7 +205,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
     // Not a candidate, but a start for one with a term more.
-    if (!options.terms && has_idle_term(fit, all)) {
+    if (!options.terms && (has_idle_term(fit, all) || has_term_beyond(fit, all))) {
       ++vain;
       continue;
     }

@@ -110,6 +110,20 @@ TEST(StaticFit, NoTermIsIdle) {
   }
 }
 
+// A force that rises in the last bins only, as an axis shows that turns at its largest speed: a bell beyond them would have any height.
+TEST(StaticFit, NoNarrowTermIsCentredBeyondTheFastestRows) {
+  StaticOptions options;
+  options.symmetric = false;
+  const auto turn = [](int, double speed) {
+    return viscous(0, speed) + 200.0 * std::exp(-std::pow((speed - 0.1035) / 2e-3, 2.0));
+  };
+  const StaticChoice c = choose_static(sums_of(turn, 1.0), options);
+  for (const BranchFit& branch : c.fit.branch) {
+    for (const FitTerm& g : branch.terms)
+      EXPECT_TRUE(g.b < 1.0 || g.c > 0.15) << "at " << g.b << ", width " << g.c << ", height " << g.a;
+  }
+}
+
 // Noise of the size of the Stribeck part hides its shape; an exponent of 1 would rise more steeply below the slowest rows.
 TEST(StaticFit, WhereTheLogDoesNotTellTheExponentIsTwo) {
   const auto faint = [](int, double speed) { return viscous(0, speed) + 3.0 * std::exp(-speed / 8e-3); };
