@@ -102,6 +102,27 @@ void find_reversals(const std::vector<double>& x, double hysteresis, Motion& m) 
   }
 }
 
+/// At a speed of whole steps per row a coarse encoder shows no noise either. Where more than half of the rows are such and the others are
+/// whole steps too, only the others count.
+void leave_out_whole_steps(std::vector<double>& fourth) {
+  constexpr double kZero = 1e-6;  // of the largest
+  double largest = 0.0;
+  for (const double d : fourth) largest = std::max(largest, std::abs(d));
+  std::vector<double> others;
+  for (const double d : fourth) {
+    if (std::abs(d) > kZero * largest) others.push_back(d);
+  }
+  // Few are the corners of a smooth motion, which has no noise.
+  if (20 * others.size() < fourth.size() || 2 * others.size() > fourth.size()) return;
+  double step = largest;
+  for (const double d : others) step = std::min(step, std::abs(d));
+  const auto whole = std::count_if(others.begin(), others.end(), [&](double d) {
+    const double n = d / step;
+    return std::abs(n - std::round(n)) < 0.01;
+  });
+  if (10 * static_cast<std::size_t>(whole) > 9 * others.size()) fourth = std::move(others);
+}
+
 }  // namespace
 
 double position_noise(const std::vector<double>& x) {
@@ -111,6 +132,7 @@ double position_noise(const std::vector<double>& x) {
     if (x[k + 2] == x[k - 2]) continue;  // at rest a coarse encoder shows no noise
     fourth.push_back(x[k - 2] - 4.0 * x[k - 1] + 6.0 * x[k] - 4.0 * x[k + 1] + x[k + 2]);
   }
+  leave_out_whole_steps(fourth);
   // Quantile without the peaks of reversals. Counts of an encoder have few values, so that a quantile alone would be one of
   // them.
   const double limit = 4.0 * quantile_of_magnitude(fourth, 0.6827);

@@ -55,6 +55,26 @@ TEST(Motion, NoiseOfAnEncoderIsItsStepOverRootTwelve) {
   EXPECT_NEAR(position_noise(x), q / std::sqrt(12.0), 0.05 * q / std::sqrt(12.0));
 }
 
+// At 2, 5 and 10 whole steps per row most rows show no noise; the short moves from speed to speed do.
+TEST(Motion, SpeedsOfWholeStepsPerRowDoNotHideTheStepOfTheEncoder) {
+  const double q = 1e-6;
+  std::vector<double> x;
+  double at = 0.0;
+  for (const double speed : {2.0, 5.0, 10.0, 5.0, 2.0}) {
+    for (int k = 0; k < 400; ++k) at += speed * q, x.push_back(std::round(at / q) * q);
+    for (int k = 0; k < 100; ++k) at += (speed + 0.013 * k) * q, x.push_back(std::round(at / q) * q);
+  }
+  EXPECT_NEAR(position_noise(x), q / std::sqrt(12.0), 0.3 * q / std::sqrt(12.0));
+  // The same motion without an encoder has none.
+  std::vector<double> smooth;
+  at = 0.0;
+  for (const double speed : {2.0, 5.0, 10.0, 5.0, 2.0}) {
+    for (int k = 0; k < 400; ++k) at += speed * q, smooth.push_back(at);
+    for (int k = 0; k < 100; ++k) at += (speed + 0.013 * k) * q, smooth.push_back(at);
+  }
+  EXPECT_LT(position_noise(smooth), 1e-3 * q);
+}
+
 TEST(Motion, WindowGrowsWithTheNoiseAndStaysAwayWithoutIt) {
   auto sine = [](double q) {
     Record rec;
