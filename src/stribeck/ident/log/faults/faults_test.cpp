@@ -68,6 +68,27 @@ TEST(LogFaults, SpikesOfTheForceAreReplaced) {
   EXPECT_NEAR(c.rough.coulomb, 20.0, 0.5);
 }
 
+// The loop's force is rough while the axis moves and quiet while it stands, which it does nearly always.
+TEST(LogFaults, ARoughForceOfAnAxisThatMostlyStandsHasNoSpikes) {
+  RawLog log = strokes(2, true);
+  const std::size_t moving = log.f.y.size();
+  const double T = log.x.t[1] - log.x.t[0];
+  for (std::size_t k = 1; k + 1 < moving; ++k) {
+    const bool moves = std::abs(log.x.y[k + 1] - log.x.y[k - 1]) > 5e-6;
+    const double size = k % 50 == 0 ? 60.0 : 12.0;
+    if (moves) log.f.y[k] += (k % 2 == 0 ? 1.0 : -1.0) * size;
+  }
+  for (std::size_t k = 0; k < 30 * moving; ++k) {
+    const double by[3] = {0.0, 0.0, k % 2 == 0 ? 0.02 : -0.02};
+    std::size_t i = 0;
+    for (Signal* s : {&log.x, &log.r, &log.f}) {
+      if (!s->t.empty()) s->t.push_back(s->t.back() + T);
+      s->y.push_back(s->y[moving - 1] + by[i++]);
+    }
+  }
+  for (const std::string& kind : kinds(condition(log))) EXPECT_NE(kind, "spike");
+}
+
 // Twenty newtons of friction beside the range of a motion that accelerates: zero is no spike, but no force either.
 TEST(LogFaults, SingleZerosOfTheForceAreLostValues) {
   RawLog log = strokes(2, true);

@@ -15,11 +15,30 @@ constexpr double kWild = 10.0;  // times what 93 % of the samples stand off thei
 constexpr double kShareOfRange = 0.75;
 constexpr double kWildZero = 5.0;  // the same for exact zeros
 constexpr std::size_t kFewestZeros = 3;
+constexpr std::size_t kFewestRows = 200;  // that show what is usual
 
 double off(const std::vector<double>& f, std::size_t k) { return f[k] - 0.5 * (f[k - 1] + f[k + 1]); }
 
 double bend(const std::vector<double>& x, std::size_t k) {
   return std::abs(x[k + 1] - 2.0 * x[k] + x[k - 1]);
+}
+
+/// Rows in which the axis moves; a log may be one of an axis that stands most of the time, with a force that is quiet then.
+std::vector<std::vector<std::uint8_t>> moving_rows(const std::vector<Table>& tables) {
+  constexpr std::size_t kReach = 20;  // rows on either side
+  constexpr double kMoves = 5.0;      // times the usual second difference
+  std::vector<double> bends;
+  for (const Table& m : tables) {
+    for (std::size_t k = 1; k + 1 < m.rows(); ++k) bends.push_back(bend(m.x, k));
+  }
+  const double least = bends.empty() ? 0.0 : kMoves * stats::thinned_quantile(bends, 0.5);
+  std::vector<std::vector<std::uint8_t>> out;
+  for (const Table& m : tables) {
+    std::vector<std::uint8_t>& moves = out.emplace_back(m.rows(), std::uint8_t{0});
+    for (std::size_t k = kReach; k + kReach < m.rows(); ++k)
+      moves[k] = std::abs(m.x[k + kReach] - m.x[k - kReach]) > least ? 1 : 0;
+  }
+  return out;
 }
 
 struct Limits {
@@ -32,17 +51,27 @@ Limits limits_of(const std::vector<Table>& tables) {
   std::vector<double> offs;
   std::vector<double> bends;
   std::vector<double> all;
-  std::size_t rows = 0;
-  for (const Table& m : tables) rows += m.rows();
-  const std::size_t stride = std::max<std::size_t>(1, rows / 40000);
-  for (const Table& m : tables) {
+  std::vector<std::vector<std::uint8_t>> counts = moving_rows(tables);
+  std::size_t rows = 0, moving = 0;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    rows += tables[i].rows();
+    moving += static_cast<std::size_t>(std::count(counts[i].begin(), counts[i].end(), std::uint8_t{1}));
+  }
+  if (moving < kFewestRows) {
+    for (auto& count : counts) std::fill(count.begin(), count.end(), std::uint8_t{1});
+    moving = rows;
+  }
+  const std::size_t stride = std::max<std::size_t>(1, moving / 40000);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const Table& m = tables[i];
     for (std::size_t k = 1; k + 1 < m.rows(); k += stride) {
+      if (counts[i][k] == 0) continue;
       all.push_back(m.f[k]);
       offs.push_back(std::abs(off(m.f, k)));
       bends.push_back(bend(m.x, k));
     }
   }
-  if (offs.size() < 200) return {};
+  if (offs.size() < kFewestRows) return {};
   const double range = stats::quantile(all, 0.98) - stats::quantile(all, 0.02);
   const double usual = stats::quantile(std::move(offs), 0.93);
   return {std::max(kWild * usual, kShareOfRange * range), kWildZero * usual,
