@@ -126,6 +126,8 @@ BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::
     out.reason = kNotDeterminable + why;
     return out;
   };
+  if (std::any_of(records.begin(), records.end(), [](const log::Record& r) { return r.integrated; }))
+    return give_up("it has no position, and an integrated velocity does not show so small distances");
   if (given.data.reversals == 0) return give_up("the motion has no reversal; record one with reversals");
   const double guess = options.near ? *options.near : guess_break_away(records, given.data, known);
   if (!(guess > 0.0) || !std::isfinite(guess)) return give_up("the axis does not move");

@@ -367,6 +367,12 @@ TEST(BristleFit, SaysWhatALogCannotTell) {
   EXPECT_FALSE(blunt.determinable);
   EXPECT_NE(blunt.reason.find("encoder"), std::string::npos) << blunt.reason;
 
+  log::Record integrated = table_sine(d, 3, 1);
+  integrated.integrated = true;
+  const auto without_position = fit_bristle({integrated}, known(d), only_lugre());
+  EXPECT_FALSE(without_position.determinable);
+  EXPECT_NE(without_position.reason.find("no position"), std::string::npos) << without_position.reason;
+
   const log::Record full = table_sine(d, 3, 1);
   log::Record thin;
   thin.source = "every 25th row";

@@ -23,6 +23,11 @@ constexpr double kLoading = 0.3;
 /// Relative change of the level within a break-away distance that a bristle follows without lag.
 constexpr double kSteady = 1e-3;
 constexpr double kSlowest = 1e-9;  ///< at rest, but with a direction [m/s]
+/// A long rest tells no more than its ends do. Where such rests are more than half of a record, their middles are left out.
+constexpr std::size_t kLongRest = 2000;  ///< [rows]
+constexpr std::size_t kRestKept = 200;   ///< at either end [rows]
+constexpr double kRests = 0.02;          ///< of the break-away distance
+constexpr double kRestSteps = 2.0;       ///< of the encoder
 
 std::vector<double> smooth(const std::vector<double>& x, const std::vector<double>& weights) {
   const std::size_t half = weights.size() / 2;
@@ -71,6 +76,7 @@ struct Course {
   std::vector<double> x;      ///< position without its fastest noise [m]
   std::vector<double> bends;  ///< of x, see spline()
   std::vector<double> ahead;  ///< travel to the end of the stretch that a row lies in [m]
+  std::vector<char> resting;  ///< the middle of a long rest, which is left out; empty: nothing is
 
   [[nodiscard]] std::size_t rows() const { return record.x.size(); }
   [[nodiscard]] bool last_stretch(std::size_t k) const {
@@ -84,6 +90,9 @@ struct Course {
   [[nodiscard]] bool after_turn(std::size_t k, double distance) const {
     return k >= motion.reversals.front() && motion.distance[k] <= distance * options.break_away;
   }
+  [[nodiscard]] bool rests(std::size_t k) const { return !resting.empty() && resting[k] != 0; }
+  /// Whether the next row belongs to the end of a long rest: a piece may begin here.
+  [[nodiscard]] bool leaves_rest(std::size_t k) const { return rests(k) && k + 1 < rows() && !rests(k + 1); }
   [[nodiscard]] double travel(std::size_t k) const {
     return std::abs(x[k + 1] - x[k]) + std::abs(along(x, bends, k, 0.5) - 0.5 * (x[k + 1] - x[k]));
   }
@@ -121,12 +130,35 @@ std::vector<double> travel_ahead(const log::Record& record, const log::Motion& m
   return ahead;
 }
 
+/// The middles of long rests; empty where they are less than half of the record.
+std::vector<char> resting_rows(const log::Record& record, const log::Motion& motion, double break_away) {
+  const double play = std::max(kRests * break_away, kRestSteps * std::sqrt(12.0) * motion.position_noise);
+  const std::size_t n = record.x.size();
+  std::vector<char> resting(n, 0);
+  std::size_t count = 0;
+  for (std::size_t from = 0, to = 0; from < n; from = to) {
+    double low = record.x[from], high = low;
+    for (to = from + 1; to < n; ++to) {
+      low = std::min(low, record.x[to]), high = std::max(high, record.x[to]);
+      if (high - low > play) break;
+    }
+    if (to - from < kLongRest) continue;
+    std::fill(resting.begin() + static_cast<std::ptrdiff_t>(from + kRestKept),
+              resting.begin() + static_cast<std::ptrdiff_t>(to - kRestKept), char{1});
+    count += to - from - 2 * kRestKept;
+  }
+  if (2 * count < n) resting.clear();
+  return resting;
+}
+
 /// Rows near a reversal, or all rows.
 std::vector<char> wanted_rows(const Course& c) {
   std::vector<char> wanted(c.rows(), 0);
   for (std::size_t k = c.half + 1; k + c.half + 1 < c.rows(); ++k) {
     const bool before = !c.last_stretch(k) && c.ahead[k] <= kNear * c.options.break_away;
-    wanted[k] = c.options.whole || c.after_turn(k, kNear) || before ? 1 : 0;
+    // The window of a row after a rest lies after it too, because a piece begins there.
+    const bool rests = c.rests(k) || c.rests(k - c.half - 1);
+    wanted[k] = !rests && (c.options.whole || c.after_turn(k, kNear) || before) ? 1 : 0;
   }
   return wanted;
 }
@@ -140,7 +172,7 @@ std::vector<Span> spans_of(const Course& c, const std::vector<char>& wanted) {
   for (std::size_t k = 0; k < n; ++k) {
     if (wanted[k] == 0) continue;
     for (; looked <= k - c.half - 1; ++looked) {
-      if (looked == 0 || c.free_of_turns(looked)) begin = looked;
+      if (looked == 0 || c.free_of_turns(looked) || c.leaves_rest(looked)) begin = looked;
     }
     const std::size_t end = k + c.half + 1;
     if (!spans.empty() && begin <= spans.back().end) {
@@ -333,7 +365,14 @@ BristlePath cut_path(const std::vector<log::Record>& records, const BristleData&
     const log::Record& record = records[r];
     const log::Motion& motion = data.motion[r];
     if (record.x.size() < 2 * half + 4 || motion.reversals.empty()) continue;
-    Course c{record, motion, options, half, without_noise(record.x, calm), {}, travel_ahead(record, motion)};
+    Course c{record,
+             motion,
+             options,
+             half,
+             without_noise(record.x, calm),
+             {},
+             travel_ahead(record, motion),
+             resting_rows(record, motion, options.break_away)};
     c.bends = spline(c.x);
     const std::vector<double> force = log::align_force(record.f, options.shift);
     const std::vector<char> wanted = wanted_rows(c);

@@ -95,6 +95,28 @@ TEST(BristlePath, RowsLieNearReversalsUnlessAllAreWanted) {
 
 TEST(BristlePath, ARecordThatStartsAtAReversalHasAnUnknownStart) { EXPECT_EQ(cut(true).starts, 1); }
 
+// An axis that stands for a minute between two motions: the rows in between tell nothing, and cost as much as all others.
+TEST(BristlePath, TheMiddleOfALongRestIsLeftOut) {
+  log::Record record = sine();
+  const log::Record motion = record;
+  constexpr std::size_t kRest = 60'000;
+  const auto append = [&](double x, double f) {
+    record.t.push_back(kPeriod * static_cast<double>(record.t.size()));
+    record.x.push_back(x);
+    record.f.push_back(f);
+  };
+  for (std::size_t k = 0; k < kRest; ++k) append(motion.x.back(), motion.f.back());
+  for (std::size_t k = 0; k < motion.x.size(); ++k) append(motion.x[k], motion.f[k]);
+  const BristlePath path = cut_path({record}, data_of(record), known(), {kBreakAway, -0.5, true});
+  EXPECT_LT(path.steps.size(), 60'000U);
+  EXPECT_EQ(path.starts, 2) << "the state after the rest is not known";
+  for (const PathRow& row : path.rows)
+    ASSERT_TRUE(row.at < motion.x.size() + 1000 || row.at + 1000 > motion.x.size() + kRest) << row.at;
+  std::size_t after = 0;
+  for (const PathRow& row : path.rows) after += row.at >= motion.x.size() + kRest ? 1 : 0;
+  EXPECT_GT(after, motion.x.size() - 100);
+}
+
 TEST(BristlePath, GuessIsTheDistanceAtWhichFrictionCrossesZero) {
   const log::Record record = sine();
   // Rows are up to 3 µm apart near a reversal, a straight line between them errs by less than a tenth.

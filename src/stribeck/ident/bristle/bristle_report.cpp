@@ -65,14 +65,15 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
                       const BristleFit& out) {
   const auto& [low, high] = out.break_away_interval;
   const auto& level = out.level_factor;
-  if (out.too_coarse)
-    return "the encoder, with steps of about " + given.shown.length(given.quantum) +
-           ", is too coarse for a break-away distance of at most " +
-           given.shown.length(std::max(high, kLeastQuanta * given.quantum));
+  // Between rows that lie far apart the motion itself looks like noise of the position.
   if (out.rows_per_reversal < kLeastRows)
     return fmt::format(
         "the axis passes the break-away distance in {:.0f} samples; sample faster or reverse more slowly",
         out.rows_per_reversal);
+  if (out.too_coarse)
+    return "the position, with steps or noise as of an encoder of " + given.shown.length(given.quantum) +
+           ", is too coarse for a break-away distance of at most " +
+           given.shown.length(std::max(high, kLeastQuanta * given.quantum));
   if (given.data.reversals < 2)
     return "it has only one reversal, so that a result cannot be checked on another one";
   if (!std::isfinite(out.models[best].held_out_rms)) return "too few rows follow its reversals";
@@ -158,7 +159,7 @@ void answer(const Given& given, const Rows& rows, const Fitted& f, std::size_t b
   out.level_factor = {1.0 + p(f.own + kForward), 1.0 + p(f.own + kBackward)};
   out.break_away = f.break_away;
   out.break_away_interval = log_interval(f.break_away, f.half);
-  out.too_coarse = f.break_away < kLeastQuanta * given.quantum;
+  out.too_coarse = f.break_away < kLeastQuanta * given.quantum && out.rows_per_reversal >= kLeastRows;
   const std::string why_not = objection(given, f, best, chosen, out);
   out.determinable = why_not.empty();
   if (!out.determinable) {

@@ -198,7 +198,7 @@ void restrict_verdict(Conditioned& out, bool position, bool irregular) {
   }
 }
 
-void hand_over(Table m, const RawLog& raw, Conditioned& out) {
+void hand_over(Table m, const RawLog& raw, bool position, Conditioned& out) {
   Record record;
   record.source = raw.source;
   record.sample_time = m.sample_time;
@@ -211,6 +211,7 @@ void hand_over(Table m, const RawLog& raw, Conditioned& out) {
   record.force_unit = raw.force_unit;
   record.position_unit = raw.position_unit;
   record.rotary = raw.rotary;
+  record.integrated = !position;
   constexpr unsigned kNotFitted = kSignUnsure | kAtLimit | kRepairedRow;
   if (std::any_of(m.mark.begin(), m.mark.end(), [](std::uint8_t k) { return (k & kNotFitted) != 0; })) {
     record.skip.resize(m.mark.size());
@@ -294,7 +295,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   restrict_verdict(out, position, notes.has("irregular"));
   for (Table& m : tables) {
     const RawLog& raw = runs[m.run];
-    hand_over(std::move(m), raw, out);
+    hand_over(std::move(m), raw, position, out);
   }
   out.findings = notes.take();
   return out;

@@ -44,6 +44,7 @@ struct Record {
   std::string force_unit = "N";
   std::string position_unit = "m";
   bool rotary = false;                  ///< positions are arcs at a radius of 1 m
+  bool integrated = false;              ///< x is the integral of v: the log has no position
   double spring = 0.0;                  ///< stiffness of a spring whose force was taken off f [N/m]
   std::optional<ForceFilter> filter{};  ///< that was taken off f (drive/smoothing/before_filter.hpp)
 };
