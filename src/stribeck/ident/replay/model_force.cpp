@@ -144,13 +144,22 @@ class Scored {
     return rows[0] > 0.0 && rows[1] > 0.0 ? 0.5 * (sum[0] / rows[0] + sum[1] / rows[1]) : 0.0;
   }
 
-  /// At rest a model without pre-sliding knows no force.
+  /// Deviation of the velocity by white noise of the position, which the low-pass leaves up to its cut-off [m/s].
+  [[nodiscard]] double velocity_noise() const {
+    const double share = 2.0 * out_.cut_off * record_.sample_time;  // of half the sampling frequency
+    return log::position_noise(record_.x) * 2.0 * kPi * out_.cut_off * std::sqrt(share / 3.0);
+  }
+
+  /// At rest a model without pre-sliding knows no force. A slow feed is no rest where the encoder shows it.
   void pick_moving_rows() {
-    constexpr double kRest = 0.01;  // of the top speed
+    constexpr double kRest = 0.01;       // of the top speed
+    constexpr double kSlowFeed = 0.001;  // of the top speed
+    constexpr double kShown = 5.0;       // times the noise
     double top = 0.0;
     for (const std::size_t i : used_) top = std::max(top, std::abs(motion_.v[out_.row[i]]));
+    const double least = std::min(kRest * top, std::max(kSlowFeed * top, kShown * velocity_noise()));
     for (const std::size_t i : used_) {
-      if (std::abs(motion_.v[out_.row[i]]) >= kRest * top) moving_.push_back(i);
+      if (std::abs(motion_.v[out_.row[i]]) >= least) moving_.push_back(i);
     }
     load_ = constant_force();
     out_.moving = moving_.size();

@@ -163,6 +163,25 @@ TEST(ForceError, BeginsAtRestWithTheForceOfTheRecord) {
   EXPECT_LT(e.own_relative, 0.03);  // 0.5 with ±20 N over a fifth of the record
 }
 
+// A feed of a hundredth of the top speed and less, as production has for minutes, is a motion whose friction the model must know.
+TEST(ForceError, ASlowFeedIsNoRest) {
+  Truth truth;
+  truth.ripple = 0.0;
+  friction::AxisModel model = model_of(truth);
+  model.friction.eccentric.clear();
+  log::Record record = sine_log(truth, -0.5e-3, 0.0);
+  const std::size_t fast = record.x.size();
+  constexpr double kFeed = 0.3e-3;
+  for (std::size_t k = 0; k < fast; ++k) {
+    record.t.push_back(kT * static_cast<double>(record.t.size()));
+    record.x.push_back(record.x[fast - 1] + kFeed * kT * static_cast<double>(k + 1));
+    record.f.push_back(truth.load + truth.coulomb + truth.viscous * kFeed);
+  }
+  EXPECT_LT(force_error(model, record).at_rest, 0.02);
+  std::get<friction::Conventional<double>>(model.friction.steady).alpha0 *= 2.0;
+  EXPECT_GT(force_error(model, record).moving_relative, 0.3);
+}
+
 /// Every n-th row.
 log::Record thinned(const log::Record& from, std::size_t n) {
   log::Record r = from;
