@@ -97,6 +97,25 @@ TEST(Commission, PromotesAVerifiedModelAndDoesNothingTwice) {
   EXPECT_THAT(stages.run().out, Not(HasSubstr("unchanged")));
 }
 
+// Verified on a copy of the log that it was identified from, a model is verified on itself.
+TEST(Commission, ACopyOfALogVerifiesNothing) {
+  const Stages stages;
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(3.0, 20.0, 1));
+  const Said said = stages.run();
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("Axis x: not verified"), HasSubstr("x-verify.csv holds the same rows as ")));
+  const std::string sine = stages.folder / "logs/x-sine.csv", verify = stages.folder / "logs/x-verify.csv";
+  const auto mass = [&](const std::vector<std::string>& logs) {
+    std::vector<std::string> words{"identify", "--json", stages.folder / "i.json"};
+    words.insert(words.end(), logs.begin(), logs.end());
+    EXPECT_EQ(command(words).code, 0);
+    return nlohmann::json::parse(text_of(stages.folder / "i.json"))["mass_ci95_kg"];
+  };
+  EXPECT_EQ(mass({sine, verify}), mass({sine}));
+}
+
 TEST(Commission, DoesNotPromoteAModelThatFails) {
   const Stages stages;
   stages.log("x-sine.csv", log_text(3.0, 20.0, 1));

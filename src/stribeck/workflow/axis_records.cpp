@@ -11,6 +11,7 @@
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
+#include <stribeck/workflow/log/fingerprint.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 
@@ -49,6 +50,13 @@ class RecordsOfAxis {
 
   void add(CleanedLog log) {
     constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
+    Fingerprint print(log.log.records);
+    for (const auto& [name, other] : prints_) {
+      if (!print.within(other)) continue;
+      axis_.notes.push_back(copy_note(log.name, name));
+      return;
+    }
+    prints_.emplace_back(log.name, std::move(print));
     if (axis_.rotary) std::erase(log.notes, kRotaryNote);  // said of the first log
     axis_.rotary = axis_.rotary || log.rotary;
     for (const ident::log::Finding& f : log.log.findings) {
@@ -80,8 +88,9 @@ class RecordsOfAxis {
 
  private:
   AxisRecords axis_;
-  double moving_ = 0.0;   ///< rows of all logs
-  double forward_ = 0.0;  ///< those of them that go forward
+  std::vector<std::pair<std::string, Fingerprint>> prints_;  ///< of the logs so far, by their names
+  double moving_ = 0.0;                                      ///< rows of all logs
+  double forward_ = 0.0;                                     ///< those of them that go forward
   double backward_ = 0.0;
 };
 

@@ -17,6 +17,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
+#include <stribeck/workflow/log/fingerprint.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/stages/stages.hpp>
@@ -319,7 +320,29 @@ class AxisStages {
   Axis axis_;
 };
 
-/// The logs of each axis, those without any too; what is no log is left out with the reason.
+/// The logs of an axis that are no copies; a model that is verified on a copy is verified on itself.
+class Recordings {
+ public:
+  /// Adds a log, or takes it in place of one whose rows it holds. The note says which is left out; empty: none.
+  std::string add(const std::string& file, Fingerprint print, std::vector<std::string>& logs) {
+    for (auto& [name, other] : known_) {
+      if (print.within(other)) return copy_note(file, name);
+      if (!other.within(print)) continue;
+      std::string note = copy_note(name, file);
+      std::replace(logs.begin(), logs.end(), name, file);
+      name = file, other = std::move(print);
+      return note;
+    }
+    known_.emplace_back(file, std::move(print));
+    logs.push_back(file);
+    return {};
+  }
+
+ private:
+  std::vector<std::pair<std::string, Fingerprint>> known_;
+};
+
+/// The logs of each axis, those without any too; what is no log, and what is a copy, is left out with the reason.
 std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescription& machine,
                                     std::vector<std::string>& skipped) {
   std::vector<LogsOfAxis> all;
@@ -329,13 +352,15 @@ std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescript
       all.back().options.axis = name;
     }
   }
+  std::vector<Recordings> recordings(all.size());
   for (const std::string& file : files_in(o.folder)) {
     const auto take = [&](const LogsOfAxis& one) {
-      static_cast<void>(read_axis({file}, one.options));
-      for (LogsOfAxis& axis : all) {
-        if (axis.axis != one.axis) continue;
-        axis.logs.push_back(file);
-        axis.options = one.options;
+      const AxisRecords read = read_axis({file}, one.options);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (all[i].axis != one.axis) continue;
+        const std::string copy = recordings[i].add(file, Fingerprint(read.records), all[i].logs);
+        if (!copy.empty()) skipped.push_back(fmt::format("axis {}: {}", one.axis, copy));
+        all[i].options = one.options;
       }
     };
     const auto or_skip = [&](const auto& act, const std::string& axis) {
