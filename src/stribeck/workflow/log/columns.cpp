@@ -57,8 +57,13 @@ struct Label {
 };
 
 std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
-  const std::string name = lower_case(c.name);
+  std::string name = lower_case(c.name);
   std::vector<Label> out{{name, {}}};
+  // A signal of LinuxCNC's HAL is divided by hyphens: "x-cmd", "z-pos-cmd".
+  if (name.find('-') != std::string::npos) {
+    std::replace(name.begin(), name.end(), '-', '_');
+    out.push_back({name, {}});
+  }
   for (const char mark : {'|', '/'}) {
     const auto at = name.rfind(mark);
     if (at != std::string::npos && at > 0 && at + 1 < name.size())

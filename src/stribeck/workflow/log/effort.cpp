@@ -23,12 +23,16 @@ std::string_view without_factor(std::string_view unit) {
   return unit.substr(word == std::string_view::npos ? 0 : word);
 }
 
+bool is_share(const std::string& unit) {
+  return std::find(kShares.begin(), kShares.end(), without_factor(unit)) != kShares.end();
+}
+
 }  // namespace
 
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent
-                          ? std::find(kShares.begin(), kShares.end(), without_factor(unit)) != kShares.end()
+                          ? is_share(unit)
                           : conversion_between(unit, known_column(what).quantity.unit).has_value();
     if (fits) return what;
   }
@@ -53,7 +57,7 @@ struct Candidates {
   std::optional<io::InputError> ambiguous;
 };
 
-/// The first column of kForces; all of them where a gain or a drive decides.
+/// The first column of kForces, with what stands before it without a unit; all of them where a gain, a lead or a drive decides.
 Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
                            std::vector<std::string>& notes) {
   Candidates found;
@@ -78,9 +82,11 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
       }
       Effort e;
       e.what = by_map || named->unit.empty() ? what : kind_by_unit(named->unit, what);
+      // --map torque="ActTorque ‰": per mille of the rated torque.
+      if (by_map && what == LogQuantity::kTorque && is_share(named->unit)) e.what = LogQuantity::kPercent;
       e.from = std::move(*named);
       found.efforts.push_back(std::move(e));
-      if (!all) break;
+      if (!all && (by_map || !found.efforts.back().from.unit.empty())) break;
     }
     if (!found.efforts.empty()) break;
   }
@@ -404,14 +410,17 @@ bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& option
   return true;
 }
 
-/// Without a gain: the first column whose scale is known, else the first one.
+/// Without a gain: the first column whose scale is known, else the first one that has a unit, else the first one.
 Effort first_scaled(const Candidates& found, const LogOptions& options, const MotionColumns& motion) {
   const auto scaled = [&](const Effort& e) {
     if (e.what == LogQuantity::kForce) return true;
     const bool by_lead = e.what == LogQuantity::kTorque && !e.from.unit.empty() && motion.per_radian != 0.0;
     return by_lead || !gain_of(options, e).empty();
   };
-  const auto at = std::find_if(found.efforts.begin(), found.efforts.end(), scaled);
+  auto at = std::find_if(found.efforts.begin(), found.efforts.end(), scaled);
+  if (at == found.efforts.end())
+    at = std::find_if(found.efforts.begin(), found.efforts.end(),
+                      [](const Effort& e) { return !e.from.unit.empty(); });
   return at == found.efforts.end() ? found.efforts.front() : *at;
 }
 
@@ -446,8 +455,8 @@ void set_conversion(Effort& e, const io::Log& log) {
 Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const LogOptions& options,
                    std::vector<std::string>& notes) {
   const std::string& gain = options.gain;
-  Candidates found =
-      find_candidates(columns, !gain.empty(), !gain.empty() || knows_drive(options.drive), notes);
+  const bool decides = !gain.empty() || motion.per_radian != 0.0 || knows_drive(options.drive);
+  Candidates found = find_candidates(columns, !gain.empty(), decides, notes);
   Effort effort =
       gain.empty() ? first_scaled(found, options, motion) : with_gain(std::move(found), gain, motion);
   const bool by_drive = gain.empty() && effort.what != LogQuantity::kForce && !is_count(effort.from.unit) &&

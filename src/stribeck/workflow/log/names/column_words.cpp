@@ -121,14 +121,35 @@ std::optional<NameMeaning> cia402(std::string_view name) {
   return index ? found_in(kCia402, *index) : std::nullopt;
 }
 
-std::optional<NameMeaning> sinamics(std::string_view name) {
-  if (name.size() < 3 || name[0] != 'r') return std::nullopt;
+/// Number of a parameter, which may stand in front of its name: "r0482", "r0482[0]", "r0063 Speed actual value".
+std::optional<int> parameter_number(std::string_view name) {
+  name = name.substr(0, name.find_first_of("[: "));
+  if (name.size() < 3 || name.size() > 6 || name[0] != 'r') return std::nullopt;
   name.remove_prefix(1);
-  name = name.substr(0, name.find('['));  // r0482[0]
-  if (name.size() > 5 || !std::all_of(name.begin(), name.end(), is_digit)) return std::nullopt;
+  if (!std::all_of(name.begin(), name.end(), is_digit)) return std::nullopt;
   int number = 0;
   for (const char c : name) number = 10 * number + (c - '0');
-  return found_in(kSinamics, number);
+  return number;
+}
+
+std::optional<NameMeaning> sinamics(std::string_view name) {
+  const std::optional<int> number = parameter_number(name);
+  return number ? found_in(kSinamics, *number) : std::nullopt;
+}
+
+/// A parameter that is not in kSinamics may have a name that says what it is: "r0025 Lageistwert".
+void drop_parameter_number(std::string& name) {
+  const auto blank = name.find(' ');
+  if (blank != std::string::npos && parameter_number(name)) name.erase(0, blank + 1);
+}
+
+/// "Lageistwert Geber 1": the number counts encoders, not axes.
+void drop_encoder_number(std::vector<std::string>& parts) {
+  for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
+    const bool number = std::all_of(parts[i + 1].begin(), parts[i + 1].end(), is_digit);
+    if (number && (parts[i] == "geber" || parts[i] == "encoder"))
+      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  }
 }
 
 /// "S-0-0051, Position feedback value 1"
@@ -406,8 +427,10 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
     numbered->axis = axis;
     return numbered;
   }
+  drop_parameter_number(name);
   std::vector<std::string> parts = parts_of(name);
   if (parts.empty()) return std::nullopt;
+  if (parts.size() > 2) drop_encoder_number(parts);
   // "Axis 1 ActPos": the number belongs to the word.
   if (parts.size() > 2 && (parts[0] == "axis" || parts[0] == "achse") && is_axis(parts[1]))
     parts.erase(parts.begin());

@@ -64,6 +64,12 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"Current Feedback (IL.FB)", LogQuantity::kCurrent, ""},
       {"Pos_fb", LogQuantity::kPosition, ""},
       {"Achse X Istgeschw.", LogQuantity::kVelocity, "x"},
+      {"r0063 Drehzahlistwert", LogQuantity::kVelocity, ""},
+      {"r0063[0] Speed actual value", LogQuantity::kVelocity, ""},
+      {"r0080 Drehmomentistwert", LogQuantity::kTorque, ""},
+      {"r0078 Stromistwert momentenbildend", LogQuantity::kCurrent, ""},
+      {"r0025 Lageistwert", LogQuantity::kPosition, ""},
+      {"Lageistwert Geber 1", LogQuantity::kPosition, ""},
       {"S-0-0051, Position feedback value 1", LogQuantity::kPosition, ""},
       {"P-0-0434, Position command value of controller", LogQuantity::kReference, ""},
       {"S-0-0040", LogQuantity::kVelocity, ""},
@@ -177,9 +183,11 @@ TEST(ColumnWords, LogsAreReadWithoutMap) {
 }
 
 /// The columns that are taken for the axis, by quantity.
-std::vector<std::string> taken(const std::string& header, const std::string& axis = "") {
+std::vector<std::string> taken(const std::string& header, const std::string& axis = "",
+                               const std::string& lead = "") {
   LogOptions o;
   o.axis = axis;
+  o.lead = lead;
   std::string text = header + "\n";
   const auto columns = std::count(header.begin(), header.end(), ',') + 1;
   for (int k = 0; k < 50; ++k) {
@@ -191,6 +199,23 @@ std::vector<std::string> taken(const std::string& header, const std::string& axi
   for (const auto& [quantity, column] : workflow::logged_axis(io::parse_log(text, "log.csv"), o).columns)
     out.push_back(quantity + "=" + column.substr(0, column.find(" [")));
   return out;
+}
+
+// Of two forces the one that is known in newtons, and one with a unit before one without.
+TEST(ColumnWords, TheForceWhoseScaleIsKnownIsTaken) {
+  using ::testing::Contains;
+  EXPECT_THAT(taken("t [s],Lageistwert [mm],Strom,Drehmomentistwert [Nm]"),
+              Contains("torque=Drehmomentistwert"));
+  EXPECT_THAT(taken("t [s],Lageistwert [mm],Strom [A],Drehmomentistwert [Nm]"), Contains("current=Strom"));
+  EXPECT_THAT(taken("t [s],Lageistwert [mm],Strom [A],Drehmomentistwert [Nm]", "", "10 mm"),
+              Contains("torque=Drehmomentistwert"));
+}
+
+TEST(ColumnWords, SignalsOfHalAreDividedByHyphens) {
+  using ::testing::UnorderedElementsAre;
+  EXPECT_THAT(taken("t [s],x-cmd [mm],x [mm],u [V]"), UnorderedElementsAre("r=x-cmd", "x=x", "voltage=u"));
+  EXPECT_THAT(taken("t [s],z-pos-cmd [mm],z-pos-act [mm],z-force [N]"),
+              UnorderedElementsAre("r=z-pos-cmd", "x=z-pos-act", "force=z-force"));
 }
 
 TEST(ColumnWords, NumbersOfAxesAndObjectsOfCia402) {
