@@ -231,7 +231,7 @@ const std::vector<std::string>& finding_kinds() {
       "frozen",      "stuck",        "velocity",  "spike",    "jump",      "reference",   "drive-off",
       "unsigned",    "inverted",     "saturated", "short",    "irregular", "no-position", "contradiction",
       "mixed-runs",  "lost",         "stale",     "repeated", "wrapped",   "exchanged",   "smoothed",
-      "line",        "scale",        "commanded"};
+      "line",        "scale",        "commanded", "late"};
   return kinds;
 }
 
@@ -272,6 +272,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
         "position and pre-sliding are not determined");
   }
   if (integrate_reference && !tables.front().r.empty()) integrate_velocity(tables, true);
+  align_late_force(tables, notes);
   measure(tables, s);
   tables = without_faults(std::move(tables), position, s, notes);
   if (position && !integrate_reference) mend_exchanged(tables, notes);

@@ -38,6 +38,10 @@ void unwrap_positions(std::vector<RawLog>& runs, Notes& notes);
 /// Replaces single wild values of the force to which the motion does not answer.
 void mend_force_spikes(std::vector<Table>& tables, Notes& notes);
 
+// late_force.cpp
+/// Moves a force that is later or earlier than the motion by more than a drive delays it, and stretches one of another clock.
+void align_late_force(std::vector<Table>& tables, Notes& notes);
+
 // exchanged.cpp
 /// Changes position and reference back where the position leads and only the reference has noise.
 void mend_exchanged(std::vector<Table>& tables, Notes& notes);

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stribeck/ident/log/condition.hpp>
@@ -114,6 +115,44 @@ TEST(LogFaults, PushToWhichTheMotionAnswersStays) {
     log.x.y[k] += added;
   }
   for (const std::string& kind : kinds(condition(log))) EXPECT_NE(kind, "spike");
+}
+
+/// The log with the force of row k + late + rate·k, by straight lines between rows.
+RawLog with_force_moved(const RawLog& log, double late, double rate) {
+  RawLog out = log;
+  const double last = static_cast<double>(log.f.y.size() - 1);
+  for (std::size_t k = 0; k < out.f.y.size(); ++k) {
+    const double at = std::clamp(static_cast<double>(k) * (1.0 + rate) + late, 0.0, last - 1.0);
+    const auto before = static_cast<std::size_t>(at);
+    const double part = at - static_cast<double>(before);
+    out.f.y[k] = (1.0 - part) * log.f.y[before] + part * log.f.y[before + 1];
+  }
+  return out;
+}
+
+// Two devices: the fit searches delays of a drive, up to 30 ms.
+TEST(LogFaults, AForceOfAnotherDeviceIsMovedToItsMotion) {
+  const RawLog log = strokes(4, true);
+  const double T = log.x.t[1] - log.x.t[0];
+  for (const double late : {0.04, -0.15}) {
+    const Conditioned c = condition(with_force_moved(log, -late / T, 0.0));
+    ASSERT_THAT(kinds(c), ElementsAre("late")) << texts(c);
+    EXPECT_NEAR(c.findings[0].values.at(0), late, 1.5 * T);
+    EXPECT_THAT(c.findings[0].text,
+                HasSubstr(late > 0.0 ? "later than the motion" : "earlier than the motion"));
+    EXPECT_NEAR(c.rough.mass, 100.0, 2.0);
+    EXPECT_EQ(c.records.at(0).x.size(), c.records.at(0).f.size());
+  }
+  EXPECT_TRUE(condition(with_force_moved(log, -0.01 / T, 0.0)).findings.empty());
+}
+
+TEST(LogFaults, AForceOfAClockThatRunsFasterIsStretched) {
+  const RawLog log = strokes(4, true);
+  const double rows = static_cast<double>(log.f.y.size());
+  const Conditioned c = condition(with_force_moved(log, 0.0, -30.0 / rows));
+  ASSERT_THAT(kinds(c), ElementsAre("late")) << texts(c);
+  EXPECT_NEAR(c.findings[0].values.at(1), 30.0 / rows, 2.0 / rows);
+  EXPECT_NEAR(c.rough.mass, 100.0, 2.0);
 }
 
 TEST(LogFaults, ExchangedColumnsAreChangedBack) {
