@@ -1,6 +1,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <stribeck/ident/drive/aligned_log.hpp>
+#include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <string>
@@ -90,6 +91,19 @@ bool asks_for_motion(const std::vector<double>& predicted, const log::Motion& m)
   return both * both >= kMost * own * asked || log::calm_noise(m) * rows > kNoisy * own;
 }
 
+/// Whether the noise of the position is next to nothing in the acceleration. A calmer motion is then no better instrument than the
+/// acceleration itself, and a worse one where it reaches over reversals.
+bool quiet(const log::Motion& m) {
+  constexpr double kQuiet = 1e-3;  // of the square
+  double square = 0.0, rows = 0.0;
+  for (std::size_t k = 0; k < m.rows(); ++k) {
+    if (m.sliding(k, 0.0)) square += m.a[k] * m.a[k], rows += 1.0;
+  }
+  const double size = m.position_noise / (m.sample_time * m.sample_time);
+  const double noise = size * size * log::second_difference_variance(log::box_weights(m.window));
+  return noise * rows < kQuiet * square;
+}
+
 }  // namespace
 
 std::vector<double> predicted_velocity(const log::Record& record, const log::Motion& m) {
@@ -119,8 +133,12 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
     // The force of a loop that works on the noise of its encoder agrees with the noise of this very motion.
     const bool alone = v.empty() ? m.loop == log::Loop::kAutomatic : !asks_for_motion(v, m);
     if (alone) v = log::calm_velocity(m);
-    for (std::size_t k = 1; k + 1 < v.size(); ++k)
-      m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
+    if (alone && !(m.cut_off > 0.0) && quiet(m)) {
+      m.instrument = m.a;
+    } else {
+      for (std::size_t k = 1; k + 1 < v.size(); ++k)
+        m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
+    }
     if (m.loop == log::Loop::kAutomatic) {
       std::string text =
           r.source +

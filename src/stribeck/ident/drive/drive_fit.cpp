@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
@@ -122,6 +123,26 @@ Attempt choose_attempt(Stage& stage, const DriveFitOptions& options, bool shift_
   return best;
 }
 
+/// The map beside the terms that the stage has.
+void choose_map_again(const Stage& stage, Steady& steady, const DriveFitOptions& options) {
+  steady.map = choose_map(stage.log, stage.rows, stage.terms, stage.fit, options);
+  if (!stage.terms.periodic.empty()) steady.map = with_joint_fits(std::move(steady.map), stage.fit);
+}
+
+/// The lag of friction beside the viscous part of the map, where held-out motion is predicted better with it.
+void take_better_lag(Stage& stage, Steady& steady, const DriveFitOptions& options) {
+  if (!(stage.relaxation.length > 0.0)) return;
+  const std::vector<double> lag = stage.rows.lag;
+  const LinearFit fit = stage.fit;
+  MapChoice before = steady.map;
+  renew_lag(stage, before.map.fit);
+  choose_map_again(stage, steady, options);
+  if (steady.map.map.held_out_rms < before.map.held_out_rms) return;
+  stage.rows.lag = lag;
+  stage.fit = fit;
+  steady.map = std::move(before);
+}
+
 /// The shift was found before the periodic terms. Beside them it is refined to the end, because what is left of it in its
 /// column has an interval of the column only.
 void finish_shift(Stage& stage, Steady& steady, const DriveFitOptions& options) {
@@ -129,8 +150,7 @@ void finish_shift(Stage& stage, Steady& steady, const DriveFitOptions& options) 
   const LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
   if (std::abs(fit.value(fit.value.size() - 1)) < kRefinedShift) return;
   stage.fit = refine_shift(stage.log, stage.rows, stage.terms, std::move(stage.fit));
-  steady.map = choose_map(stage.log, stage.rows, stage.terms, stage.fit, options);
-  if (!stage.terms.periodic.empty()) steady.map = with_joint_fits(std::move(steady.map), stage.fit);
+  choose_map_again(stage, steady, options);
 }
 
 /// A map, the linear terms that belong to it, and their intervals.
@@ -237,6 +257,7 @@ Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& o
   const Notes before = notes;
   Attempt attempt = choose_attempt(stage, options, shift_known, notes);
   Steady steady = std::move(attempt.steady);
+  take_better_lag(stage, steady, options);
   if (!shift_known) finish_shift(stage, steady, options);
   Judged first = without_uncertain_terms(stage, judge(stage, steady.map, shift_known), options, shift_known);
   stage.fit = first.fit;
@@ -377,12 +398,13 @@ std::optional<BeforeFilter> before_filter_of(Fitted& logged, const DriveFitOptio
   }
 }
 
-/// Adds pre-sliding, and everything that is said.
+/// Adds pre-sliding and the warnings.
 Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords& drift) {
   Result result = std::move(fitted.result);
   Notes& notes = fitted.placed.notes;
   result.spectrum = std::move(fitted.placed.steady.spectrum);
-  result.break_away_distance = fitted.placed.stage.break_away;
+  const double settles = fitted.placed.stage.relaxation.length;
+  result.break_away_distance = settles > 0.0 ? settles : std::numeric_limits<double>::quiet_NaN();
   add_places(result, fitted.placed.along, Shown(fitted.placed.stage.log.records.front()), notes);
   if (options.dynamics) add_bristle(result, fitted.found(), notes);
   result.open = open_model(fitted.found(), result);

@@ -66,12 +66,11 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   AlignedLog& log = stage.log;
   const LinearFit before = stage.fit;
   if (stage.rows.sampled) align_all(log, log.shift);
-  const Relaxation relaxation =
+  stage.relaxation =
       find_relaxation(log.motions, level_of(before), before.mass, before.load, stage.extent.near);
-  const double length = relaxation.length;
+  const double length = stage.relaxation.length;
   Window window{stage.extent.near, kSmallSpeed, 0.0};
   if (length > 0.0) {
-    stage.break_away = length;
     window = {kRelaxations * length, 0.5 * kSmallSpeed, length};
   } else {
     notes.warn(
@@ -80,7 +79,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   Rows all = gather(log, stage.extent, window, options.bins);
   stage.rows = sampled(all);
   const auto find_lags = [&] {
-    if (length > 0.0) find_lag(log.motions, level_of(stage.fit), relaxation, stage.rows);
+    if (length > 0.0) find_lag(log.motions, level_of(stage.fit), stage.relaxation, stage.rows);
   };
   const auto solve_again = [&] { stage.fit = solve(log, stage.rows, stage.terms, &stage.fit); };
   if (stage.terms.shift) ask_reference(log, stage.rows, stage.terms, stage.fit);
@@ -99,6 +98,17 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
     solve_again();
   }
   note_weak_instrument(before, stage.fit, notes);
+}
+
+void renew_lag(Stage& stage, const map::StaticFit& chosen) {
+  if (!(stage.relaxation.length > 0.0)) return;
+  Level level = level_of(stage.fit);
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    const bool by_direction = chosen.family == map::StaticFit::Family::kByDirection;
+    level.viscous[s] = std::max(0.0, by_direction ? chosen.branch[s].eta1 / chosen.top[s] : chosen.viscous);
+  }
+  find_lag(stage.log.motions, level, stage.relaxation, stage.rows);
+  stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
 }
 
 }  // namespace stribeck::ident::drive

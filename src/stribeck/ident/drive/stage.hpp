@@ -13,6 +13,7 @@
 #include <stribeck/ident/drive/linear_fit.hpp>
 #include <stribeck/ident/drive/relaxation.hpp>
 #include <stribeck/ident/drive/rows.hpp>
+#include <stribeck/ident/map/static_fit.hpp>
 
 namespace stribeck::ident::drive {
 
@@ -23,8 +24,8 @@ struct Stage {
   Rows rows;
   Terms terms;
   LinearFit fit;
-  double first_shift = kHeldForce;                               ///< before it was judged [rows]
-  double break_away = std::numeric_limits<double>::quiet_NaN();  ///< distance in which friction settles [m]
+  double first_shift = kHeldForce;  ///< before it was judged [rows]
+  Relaxation relaxation;            ///< of friction after a reversal; its length is 0 where none was found
 };
 
 /// Friction of a fit without its load.
@@ -40,6 +41,10 @@ void note_weak_instrument(const LinearFit& before, const LinearFit& now, Notes& 
 void fit_first(Stage& stage, const DriveFitOptions& options, Notes& notes);
 
 void take_out_shift(Stage& stage, Notes& notes);
+
+/// Subtracts the lag anew, of friction without the viscous part of the map: what grows with speed as a line does not lag, and the line
+/// through the bins is not the viscous friction where the map has a bump or a fall.
+void renew_lag(Stage& stage, const map::StaticFit& chosen);
 
 /// Selects rows in which friction has settled, subtracts the remaining lag and judges the shift.
 void settle(Stage& stage, const DriveFitOptions& options, Notes& notes);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -58,13 +59,29 @@ double quantile_of_magnitude(std::vector<double> values, double share) {
   return values.empty() ? 0.0 : stats::quantile(stats::magnitudes(std::move(values)), share);
 }
 
+/// Whether the second differences of a force are noise of a sensor: several times finer steps than they are can be read, and each is
+/// undone by the next.
+bool measured_noise(const std::vector<double>& second, double usual, double step) {
+  constexpr double kSteps = 3.0;
+  constexpr double kUndone = -0.3;  // correlation of neighbours; of white noise −2/3
+  if (!(usual > kSteps * step)) return false;
+  const double limit = 4.0 * usual;  // without the edges of pulses
+  double square = 0.0, product = 0.0;
+  for (std::size_t k = 1; k < second.size(); ++k) {
+    if (std::abs(second[k]) > limit || std::abs(second[k - 1]) > limit) continue;
+    square += second[k] * second[k], product += second[k] * second[k - 1];
+  }
+  return square > 0.0 && product < kUndone * square;
+}
+
 /// A programmed force is piecewise smooth: almost all of its second differences are at the resolution of the
 /// converter.
 bool programmed(const std::vector<double>& f) {
   std::vector<double> second;
   for (std::size_t k = 1; k + 1 < f.size(); ++k) second.push_back(f[k + 1] - 2.0 * f[k] + f[k - 1]);
   const auto [low, high] = std::minmax_element(f.begin(), f.end());
-  return quantile_of_magnitude(std::move(second), 0.5) < 1e-3 * (*high - *low);
+  const double usual = quantile_of_magnitude(second, 0.5);
+  return usual < 1e-3 * (*high - *low) && !measured_noise(second, usual, quantum(f));
 }
 
 void find_reversals(const std::vector<double>& x, double hysteresis, Motion& m) {

@@ -173,7 +173,7 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
   }
   if (!out.empty()) return out;
   // Names that no notation has are read word by word. Those that tell a quantity by their units alone count in a log that calls no
-  // position by its name.
+  // position by its name, and as the reference where there is one.
   std::vector<Candidate> by_unit;
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
@@ -183,6 +183,9 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
   }
   if (!out.empty() || by_unit.empty()) return out;
   if (!calls_a_position(log, axis)) return by_unit;
+  // "cmd [um]" beside "pos [um]" can be nothing else.
+  if (k.what == LogQuantity::kReference && by_unit.size() == 1 && by_unit.front().axis.empty())
+    return by_unit;
   return out;
 }
 
@@ -306,9 +309,9 @@ AxisColumns::AxisColumns(const io::Log& log, const LogOptions& options) : log_(l
       if (other == what)
         refuse_option("--map", fmt::format("{} is given twice, expected one column for it", enum_name(what)));
       if (column.column == named.column) {
-        refuse_option("--map",
-                      fmt::format("column {} is given for {} and {}, expected one quantity for it",
-                                  io::in_quotes(named.column->header), enum_name(other), enum_name(what)));
+        refuse_option(
+            "--map", fmt::format("column {} is given for {} and {}, expected one quantity for it",
+                                 io::in_quotes(header_of(*named.column)), enum_name(other), enum_name(what)));
       }
     }
     maps_.emplace_back(what, std::move(named));

@@ -214,6 +214,8 @@ TEST(ColumnWords, TheForceWhoseScaleIsKnownIsTaken) {
 TEST(ColumnWords, SignalsOfHalAreDividedByHyphens) {
   using ::testing::UnorderedElementsAre;
   EXPECT_THAT(taken("t [s],x-cmd [mm],x [mm],u [V]"), UnorderedElementsAre("r=x-cmd", "x=x", "voltage=u"));
+  EXPECT_THAT(taken("t [ms],pos [um],cmd [um],current [A]"),
+              UnorderedElementsAre("r=cmd", "x=pos", "current=current"));
   EXPECT_THAT(taken("t [s],z-pos-cmd [mm],z-pos-act [mm],z-force [N]"),
               UnorderedElementsAre("r=z-pos-cmd", "x=z-pos-act", "force=z-force"));
 }
