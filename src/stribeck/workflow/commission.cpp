@@ -41,9 +41,10 @@ ident::excitation::Excitation design(const sim::Machine& machine, std::size_t ax
     return ident::excitation::design_jog(limits, machine.sample_time, jog);
   }
   if (method == ExcitationMethod::kConstantAcceleration) {
-    ident::excitation::AccelerationDesign triangles;
-    triangles.start = 0.5 * (limits.travel_min + limits.travel_max);
-    return ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles);
+    const double middle = 0.5 * (limits.travel_min + limits.travel_max);
+    return ident::excitation::design_constant_acceleration(
+        limits, machine.sample_time,
+        ident::excitation::acceleration_design(limits, middle, c.mass, c.friction));
   }
   if (method == ExcitationMethod::kPositionSine) {
     ident::excitation::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};

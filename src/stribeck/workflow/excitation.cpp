@@ -163,14 +163,15 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   refuse_unsaid_weight(o, machine.axes[which].first, axis);
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);
-  // What is refused on the axis is refused on its virtual one.
+  // A design that is refused for the real axis is refused for its virtual one too.
   if (const auto real = doubt_of_file(rough); real.may_fall(limits)) doubt = real;
   if (!o.known.empty()) {
     const auto file = io::read_toml<sim::AxisFile>(o.known);
     if (file.rotary.value_or(false) != axis.rotary)
-      refuse_option("--known", fmt::format("{} is of {}, axis {} of the machine is not", o.known,
-                                           axis.rotary ? "an axis that moves" : "a rotary axis",
-                                           machine.axes[which].first));
+      refuse_option("--known",
+                    fmt::format("{} is of a {} axis, axis {} of the machine is {} (give the axis file of {})",
+                                o.known, axis.rotary ? "linear" : "rotary", machine.axes[which].first,
+                                axis.rotary ? "rotary" : "linear", machine.axes[which].first));
     const friction::AxisModel& model = file.model;
     drive = rough_idea(model, axis.limits);
     doubt = doubt_of_known(model, axis, drive, limits);
@@ -209,8 +210,8 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     return ident::excitation::design_safe_ramp(limits, drive, doubt, machine.sample_time, ramp);
   }
   if (o.method == ExcitationMethod::kConstantAcceleration) {
-    ident::excitation::AccelerationDesign triangles;
-    triangles.start = middle;
+    ident::excitation::AccelerationDesign triangles =
+        ident::excitation::acceleration_design(limits, middle, rough.mass.middle(), rough.friction.middle());
     triangles.repeats = o.repeats.value_or(triangles.repeats);
     return {ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles), {}};
   }

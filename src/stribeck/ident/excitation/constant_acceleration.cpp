@@ -13,6 +13,19 @@ constexpr double kShortestFlank = 0.25;  ///< of the wanted one
 
 }  // namespace
 
+AccelerationDesign acceleration_design(const Limits& limits, double start, double mass, double friction) {
+  constexpr double kShows = 0.3;  // inertia over friction
+  AccelerationDesign design;
+  design.start = start;
+  const double room = limits.travel_max - start;
+  const double acceleration = std::min(kReserve * limits.speed, 0.95 * room / design.flank) / design.flank;
+  if (mass * acceleration < kShows * friction) {
+    design.flank *= kShortestFlank;
+    design.repeats = static_cast<int>(std::lround(design.repeats / kShortestFlank));
+  }
+  return design;
+}
+
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design) {
   check(limits, sample_time, design.start);
@@ -28,8 +41,10 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   if (limits.acceleration > 0.0) {
     const double most = 0.5 * limits.acceleration;
     // Where the travel is too short for the highest speed, a shorter flank makes more of both.
-    if (v * flank > 0.95 * room)
+    if (v * flank > 0.95 * room) {
+      v = std::min(v, std::sqrt(0.95 * room * most));  // higher speeds are not reached
       flank = std::min(flank, std::max(kShortestFlank * design.flank, std::sqrt(0.95 * room / most)));
+    }
     flank = std::max(flank, v / most);
   }
   v = std::min(v, 0.95 * room / flank);  // both flanks together travel v·flank

@@ -143,6 +143,9 @@ struct AccelerationDesign {
       1.0;  ///< time from rest to the highest speed [s]; down to a quarter of it where the travel is short
   int repeats = 5;  ///< of each direction
 };
+/// Flanks of a quarter of the time, and four times as many, where the inertia of the usual ones is less than a third of friction: the mass
+/// shows in proportion to the acceleration, and in a longer log only by the root of its length. Rough mass [kg] and friction [N].
+AccelerationDesign acceleration_design(const Limits& limits, double start, double mass, double friction);
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design = {});
 

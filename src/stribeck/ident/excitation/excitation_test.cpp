@@ -337,6 +337,31 @@ TEST(Excitation, PositionSineIsThePrintedOneFromRest) {
   EXPECT_NEAR((e.r[1] - e.r[0]) / kPeriod, 0.0, 1e-6);
 }
 
+// The inertia of a light axis with much friction is hardly seen at the usual acceleration.
+TEST(Excitation, TrianglesOfALightAxisAccelerateMore) {
+  const double inertia = 9.5e-3;  // of 1 kg, 9.5 mm/s in one second [N]
+  const AccelerationDesign usual = acceleration_design(kTable, 0.0, 1.0, 2.0 * inertia);
+  const AccelerationDesign light = acceleration_design(kTable, 0.0, 1.0, 10.0 * inertia);
+  EXPECT_EQ(usual.flank, 1.0);
+  EXPECT_EQ(light.flank, 0.25);
+  EXPECT_EQ(light.repeats, 4 * usual.repeats) << "a log of the same length";
+}
+
+// A limit of speed that the travel does not let the axis reach changes nothing.
+TEST(Excitation, AHigherLimitOfSpeedMakesNoWeakerTriangles) {
+  Limits limits{-0.02, 0.02, 0.25, 20.0, 100.0, false};
+  const Excitation slow = design_constant_acceleration(limits, kPeriod, {});
+  limits.speed = 15.0;
+  const Excitation fast = design_constant_acceleration(limits, kPeriod, {});
+  const auto largest = [](const Excitation& e) {
+    double a = 0.0;
+    for (std::size_t k = 1; k + 1 < e.r.size(); ++k)
+      a = std::max(a, std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]));
+    return a;
+  };
+  EXPECT_GE(largest(fast), 0.99 * largest(slow));
+}
+
 TEST(Excitation, TrianglesOfSpeedReturnAndAccelerateEvenly) {
   const Excitation e = design_constant_acceleration(kTable, kPeriod);
   EXPECT_NEAR(e.r.back(), 0.0, 1e-12);
