@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/findings.hpp>
 
 namespace stribeck::ident::health {
@@ -70,11 +71,19 @@ Pattern pattern_of(const std::vector<Channel>& channels, const std::vector<Shift
 constexpr const char* kRepeat =
     "repeat the test tomorrow; if it stays, look for what was done to the machine on that day";
 
+/// How people see a travel of this axis.
+struct Travel {
+  double factor;
+  const char* unit;
+  explicit Travel(const Channel& c) : factor(c.rotary ? 180.0 / kPi : 1e3), unit(c.rotary ? "deg" : "mm") {}
+};
+
 void add_place(const Pattern& p, std::vector<Cause>& out) {
   if (p.where == nullptr || p.place < 0.3 * std::max(std::abs(p.level()), p.place)) return;
-  const double from = 1e3 * p.where->at[0], to = 1e3 * p.where->at[1];
+  const Travel travel(*p.where);
   out.push_back(
-      {fmt::format("wear or dirt between {:.4g} and {:.4g} mm", from, to),
+      {fmt::format("wear or dirt between {:.4g} and {:.4g} {}", travel.factor * p.where->at[0],
+                   travel.factor * p.where->at[1], travel.unit),
        "friction has risen there more than elsewhere",
        "look at guide and screw at this place, clean and lubricate; drive the test once more over another stretch"});
 }
@@ -142,10 +151,10 @@ std::vector<Cause> causes_of(const std::vector<Channel>& channels, const std::ve
          "look at what is pulled along with the axis: a chain that jams, a hose that was tied, a gas spring"});
   add_place(p, out);
   if (p.periodic > 0.0)
-    out.push_back(
-        {fmt::format("screw, bearing or coupling out of true (period {:.4g} mm)", 1e3 * p.wave->at[0]),
-         "the force periodic in position has grown",
-         "check run-out of screw and coupling, and the bearings"});
+    out.push_back({fmt::format("screw, bearing or coupling out of true (period {:.4g} {})",
+                               Travel(*p.wave).factor * p.wave->at[0], Travel(*p.wave).unit),
+                   "the force periodic in position has grown",
+                   "check run-out of screw and coupling, and the bearings"});
   const bool explained = !out.empty();
   if (!explained || std::abs(p.coulomb) + std::abs(p.viscous) >= 1.5 * (std::abs(p.offset) + 2.0 * p.place))
     add_friction(p, out);

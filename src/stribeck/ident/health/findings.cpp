@@ -218,11 +218,12 @@ void add_drift(Health& health) {
 
 }  // namespace
 
-Health health_of(const std::vector<HealthTest>& tests, const Limits& limits) {
+Health health_of(const std::vector<HealthTest>& tests, const Limits& limits, bool rotary) {
   Health out;
   if (tests.empty()) return out;
   if (tests.front().axis) add_axis(tests, limits, out.channels);
   if (tests.front().circle) add_circle(tests, limits, out.channels);
+  for (Channel& c : out.channels) c.rotary = rotary;
   add_steps(out);
   add_drift(out);
   std::stable_sort(out.changes.begin(), out.changes.end(),

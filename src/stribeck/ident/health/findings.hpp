@@ -120,7 +120,8 @@ struct Health {
 };
 
 /// Tests of one axis or of one circle, ascending in time, all of the same plan.
-Health health_of(const std::vector<HealthTest>& tests, const Limits& limits = {});
+/// `rotary`: of an axis that turns, whose places are shown as angles.
+Health health_of(const std::vector<HealthTest>& tests, const Limits& limits = {}, bool rotary = false);
 
 /// The causes that fit a pattern of shifts, the likeliest first.
 std::vector<Cause> causes_of(const std::vector<Channel>& channels, const std::vector<Shift>& shifts);

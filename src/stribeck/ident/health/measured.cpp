@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/measured.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/shown.hpp>
@@ -447,14 +448,16 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
   return out;
 }
 
-std::vector<std::string> motion_differs(const TestMotion& motion, const TestMotion& reference) {
+std::vector<std::string> motion_differs(const TestMotion& motion, const TestMotion& reference, bool rotary) {
+  const double shown = rotary ? 180.0 / kPi : 1e3;
+  const char* const unit = rotary ? "deg" : "mm";
   std::vector<std::string> why;
   const double stroke = reference.travel[1] - reference.travel[0];
   for (std::size_t end = 0; end < 2; ++end) {
     if (std::abs(motion.travel[end] - reference.travel[end]) > 0.1 * stroke)
-      why.push_back(fmt::format("got a travel from {:.4g} to {:.4g} mm, expected {:.4g} to {:.4g} mm",
-                                1e3 * motion.travel[0], 1e3 * motion.travel[1], 1e3 * reference.travel[0],
-                                1e3 * reference.travel[1]));
+      why.push_back(fmt::format("got a travel from {:.4g} to {:.4g} {}, expected {:.4g} to {:.4g} {}",
+                                shown * motion.travel[0], shown * motion.travel[1], unit,
+                                shown * reference.travel[0], shown * reference.travel[1], unit));
     if (!why.empty()) break;
   }
   constexpr double kLonger = 1.1, kFaster = 2.0;  // a tight spot or a vibration is no other motion
@@ -463,8 +466,8 @@ std::vector<std::string> motion_differs(const TestMotion& motion, const TestMoti
         fmt::format("got {:.3g} s of sliding, expected {:.3g} s", motion.duration, reference.duration));
   if (motion.acceleration > kFaster * reference.acceleration ||
       reference.acceleration > kFaster * motion.acceleration)
-    why.push_back(fmt::format("got an RMS acceleration of {:.3g} mm/s2, expected {:.3g} mm/s2",
-                              1e3 * motion.acceleration, 1e3 * reference.acceleration));
+    why.push_back(fmt::format("got an RMS acceleration of {:.3g} {}/s2, expected {:.3g} {}/s2",
+                              shown * motion.acceleration, unit, shown * reference.acceleration, unit));
   return why;
 }
 

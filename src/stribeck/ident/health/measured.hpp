@@ -182,6 +182,7 @@ Plan plan_of(const Measured& earlier);
 Measured measure(const std::vector<log::Record>& records, const Plan& plan, double shift = -0.5);
 
 /// Why the values of two tests cannot be compared; empty: they can.
-std::vector<std::string> motion_differs(const TestMotion& motion, const TestMotion& reference);
+std::vector<std::string> motion_differs(const TestMotion& motion, const TestMotion& reference,
+                                        bool rotary = false);
 
 }  // namespace stribeck::ident::health

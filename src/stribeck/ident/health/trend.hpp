@@ -1,5 +1,5 @@
 #pragma once
-/// What a number does that is measured again and again: its scatter, slow drift, and steps.
+/// Trend of a repeated measurement: its scatter, slow drift, and steps.
 ///
 ///   y_i = μ(t_i) + noise       μ: straight pieces with jumps between them, found by their posterior probability
 ///

@@ -60,8 +60,9 @@ const ArchiveFile* first_of(const std::vector<ArchiveFile>& files, const std::st
 
 /// Refuses a motion whose numbers cannot be compared with those of the first test.
 void require_same_motion(const health::Measured& measured, const std::string& sources,
-                         const ArchiveFile& first) {
-  const std::vector<std::string> why = health::motion_differs(measured.motion, first.test.measured->motion);
+                         const ArchiveFile& first, bool rotary) {
+  const std::vector<std::string> why =
+      health::motion_differs(measured.motion, first.test.measured->motion, rotary);
   if (why.empty()) return;
   throw io::InputError({sources,
                         0,
@@ -117,12 +118,11 @@ class Session {
         options_.since.empty() ? -kInfinity : *health::day_of(checked_date("--since", options_.since));
     for (std::size_t i = 0; i < description_.axes.size(); ++i) {
       const auto& [name, axis] = description_.axes[i];
-      add_axis(name, since, input);
+      add_axis(name, since, axis.rotary, input);
       if (input.axes.empty() || input.axes.back().name != name) continue;
       input.axes.back().motion = motion_commands(options_.machine, description_, i, turn_of(options_, axis));
-      for (health::Channel& c : input.axes.back().health.channels) c.rotary = axis.rotary;
     }
-    add_axis(std::string(ArchivedTest::kCircle), since, input);
+    add_axis(std::string(ArchivedTest::kCircle), since, false, input);
     input.remarks = remarks_;
     if (input.axes.empty())
       throw io::InputError(
@@ -169,7 +169,7 @@ class Session {
                                                : health::plan_of(axis.records, turn_of(options_, described));
     ArchivedTest test = begin(one.axis, one.logs, checksum, date);
     test.measured = health::measure(axis.records, plan);
-    if (first != nullptr) require_same_motion(*test.measured, sources, *first);
+    if (first != nullptr) require_same_motion(*test.measured, sources, *first, described.rotary);
     if (first == nullptr && test.measured->places.empty())
       remarks_.push_back(
           fmt::format("axis {}: the motion does not tell friction along the travel from friction by speed; "
@@ -216,7 +216,7 @@ class Session {
     tests.push_back(std::move(test));
   }
 
-  void add_axis(const std::string& name, double since, report::HealthReportInput& input) {
+  void add_axis(const std::string& name, double since, bool rotary, report::HealthReportInput& input) {
     report::HealthAxis axis;
     axis.name = name;
     std::size_t before = 0;
@@ -234,7 +234,7 @@ class Session {
     if (axis.tests.empty()) return;
     if (before > 0)
       remarks_.push_back(fmt::format("{}: {} tests before {} do not count", name, before, options_.since));
-    axis.health = health::health_of(axis.tests, options_.limits);
+    axis.health = health::health_of(axis.tests, options_.limits, rotary);
     input.axes.push_back(std::move(axis));
   }
 
