@@ -39,7 +39,8 @@ void unwrap_positions(std::vector<RawLog>& runs, Notes& notes);
 void mend_force_spikes(std::vector<Table>& tables, Notes& notes);
 
 // late_force.cpp
-/// Moves a force that is later or earlier than the motion by more than a drive delays it, and stretches one of another clock.
+/// Moves a force that is later or earlier than the motion by more than a drive delays it, and stretches one of another clock, in logs
+/// with a reference.
 void align_late_force(std::vector<Table>& tables, Notes& notes);
 
 // exchanged.cpp

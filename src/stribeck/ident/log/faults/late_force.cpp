@@ -20,9 +20,9 @@ constexpr double kReach = 1.0;       // [s] of the search, either way
 constexpr double kWindow = 0.01;     // [s] of the second difference, either way
 constexpr std::size_t kMostRows = 3000;
 constexpr double kMostLags = 1000.0;
-constexpr double kExplained = 0.1;  // of the squares of the force may be left
-constexpr double kMuchLess = 0.25;  // of the squares that a delay of a drive leaves
-constexpr double kLess = 0.8;       // the same where the best delay of a drive is the longest
+constexpr double kExplained = 0.05;  // of the squares of the force may be left
+constexpr double kMuchLess = 0.25;   // of the squares that a delay of a drive leaves
+constexpr double kLess = 0.8;        // the same where the best delay of a drive is the longest
 
 struct Lag {
   double rows = 0.0;
@@ -156,7 +156,8 @@ void align_late_force(std::vector<Table>& tables, Notes& notes) {
   if (!notes.wanted("late")) return;
   auto longest = std::max_element(tables.begin(), tables.end(),
                                   [](const Table& a, const Table& b) { return a.rows() < b.rows(); });
-  if (longest->x.empty()) return;
+  // Of pulses in open loop, with their rests, another part of the motion may look like the answer.
+  if (longest->x.empty() || longest->r.empty()) return;
   const double T = longest->sample_time;
   const Stretch all(*longest, 0, longest->rows());
   if (!all.tells()) return;

@@ -374,7 +374,7 @@ void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes&
     if (m.rows() < kFewestRows) continue;
     Mender mender(m, least);
     mender.run(notes);
-    // What comes often belongs to the log.
+    // More of them are the way in which the log was written.
     if (mender.rows_found() == 0 || mender.rows_found() * 20 > m.rows()) continue;
     note(m, mender, notes);
     const double end = m.t.back();
