@@ -23,7 +23,7 @@ constexpr double kLoading = 0.3;
 /// Relative change of the level within a break-away distance that a bristle follows without lag.
 constexpr double kSteady = 1e-3;
 constexpr double kSlowest = 1e-9;  ///< at rest, but with a direction [m/s]
-/// A long rest tells no more than its ends do. Where such rests are more than half of a record, their middles are left out.
+/// The middle of a long rest adds no information. Where such rests are more than half of a record, their middles are left out.
 constexpr std::size_t kLongRest = 2000;  ///< [rows]
 constexpr std::size_t kRestKept = 200;   ///< at either end [rows]
 constexpr double kRests = 0.02;          ///< of the break-away distance

@@ -5,13 +5,13 @@
 ///
 /// θ angle from +x, d = ±1 direction of travel (+ counter-clockwise), V feed, R radius; x along θ = 0, y along 90 degrees.
 /// The first degrees after a reversal are left out of the fit; what they hold beyond it are the quadrant peaks. A cyclic error is
-/// added where a pitch lowers the rest clearly, and so is an even drift of the centre over a log. A cause counts as found where its size is beyond 1.5 times its 95 % interval, and
+/// added where a pitch lowers the rest clearly, and so is an even drift of the centre over a log. A cause counts as found where its size is beyond 1.5 half widths of its 95 % interval, and
 /// its effect at least 50 nm and a hundredth of the largest one.
 ///
 /// Source: the causes are those that ball-bar users know; columns from the geometry of the circle. Intervals:
 /// ident/stats/uncertainty.hpp.
 /// Not modelled: causes that depend on temperature or place; stick-slip; two axes' slides that are no straight angle lines.
-/// Real time: no. Errors: none; without enough rows the result is empty and says why.
+/// Real time: no. Errors: none; without enough rows there is no result.
 
 #include <array>
 #include <optional>

@@ -103,7 +103,7 @@ class PitchSearch {
     const auto count = static_cast<double>(fit_.rest.size());
     return gain_ >= times * std::max(fit_.variance * count - gain_, 0.0) / count;
   }
-  /// At the upper end of what is tried stands the image of a shorter pitch.
+  /// A pitch at the upper end of the search may be the alias of a shorter one.
   [[nodiscard]] bool at_the_end() const {
     return gain_ > 0.0 && 1.0 / best_.length > fastest() - kApart / rows_.radius;
   }

@@ -217,7 +217,10 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
   for (const auto& [place, profile] : profiles(rows, rest)) {
     if (!covers_reversal(profile, rows.step)) continue;
     const auto axis = static_cast<std::size_t>(std::get<2>(place) % 2);
-    out.push_back(peak_of(place, profile, rows, windows[axis], crossing[axis]));
+    QuadrantPeak peak = peak_of(place, profile, rows, windows[axis], crossing[axis]);
+    // An arc that ends within the play shows no peak.
+    if (!std::isfinite(peak.height)) continue;
+    out.push_back(peak);
     // An arc may end within the window.
     if (!std::isfinite(out.back().half_width_95))
       out.back().half_width_95 = 1.96 * rest_beside_peaks(rows, rest, windows);

@@ -103,7 +103,7 @@ class Description {
   [[nodiscard]] double curve_error(const Figure& figure, int s, double speed) const {
     const double noise =
         std::hypot(level_error(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
-    // The drift is no noise: its whole distance stands beside the half width of the rest.
+    // Drift is not noise: its full size is added to the half width.
     const double unsure = found_.taken_out != nullptr ? found_.taken_out->unsure(s, speed) : 0.0;
     return noise + std::abs(figure.value) * std::hypot(drift_.at(s, speed), unsure) / found_.intervals.factor;
   }

@@ -102,6 +102,8 @@ bool told_beside_unseen_rise(const bristle::BristleFit& fit, const Shown& shown,
   return false;
 }
 
+constexpr double kWidestShare = 0.35;  ///< half width of the logarithm of a stiffness that is determined
+
 void add_place_stiffness(Result& result, const std::vector<log::Record>& records, double shift) {
   const friction::AxisModel known{result.mass, result.load, result.friction};
   const bristle::PlaceStiffness found =
@@ -110,8 +112,7 @@ void add_place_stiffness(Result& result, const std::vector<log::Record>& records
     const double share = found.share[k], half = found.half[k];
     result.friction.places[k].stiffness = share;
     result.parameters.push_back({"stiffness_at_place_" + std::to_string(k + 1), share, "1", "1",
-                                 share * std::exp(-half), share * std::exp(half),
-                                 half < std::abs(std::log(share))});
+                                 share * std::exp(-half), share * std::exp(half), half < kWidestShare});
   }
 }
 

@@ -80,7 +80,7 @@ std::optional<JointFit> best_joint(const std::vector<map::StaticFit>& maps, cons
 }
 
 /// Fits the linear terms beside the periodic ones and searches again, until the periods no longer change.
-bool settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::PeriodicOptions& search,
+void settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::PeriodicOptions& search,
                         std::vector<map::PeriodicTerm>& found, PeriodicChoice& out) {
   for (int k = 0; k <= kPasses; ++k) {
     take_terms(out.terms, log, found);
@@ -90,7 +90,6 @@ bool settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::Peri
     if (again.terms.empty() || same_terms(again.terms, found)) break;
     found = std::move(again.terms);
   }
-  return true;
 }
 
 /// The same beside maps of few parameters, from the strongest line on; true when terms stand out at the end.
@@ -229,8 +228,8 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
   PeriodicChoice out{std::move(map), terms, fit, std::move(first.spectrum)};
   std::vector<map::PeriodicTerm> terms_found = std::move(first.terms);
   const bool beside_bins = !terms_found.empty();
-  const bool found = beside_bins ? settle_beside_bins(log, rows, search, terms_found, out)
-                                 : search_beside_maps(log, rows, search, terms_found, out);
+  if (beside_bins) settle_beside_bins(log, rows, search, terms_found, out);
+  const bool found = beside_bins || search_beside_maps(log, rows, search, terms_found, out);
   if (!found || beside_bins)
     notes.cannot_tell.insert(notes.cannot_tell.end(), first.cannot_tell.begin(), first.cannot_tell.end());
   if (!found) return out;

@@ -177,6 +177,10 @@ Plan plan_for(const std::vector<Source>& sources, const ResponseOptions& options
   }
   out.rows_reversal = out.rows - sliding;
   Plan plan;
+  constexpr double kFewestRows = 4.0;
+  if (options.period && *options.period < kFewestRows * out.sample_time)
+    throw Refused(fmt::format("--period: got {:.4g} ms, expected at least {:g} rows of this log, {:.4g} ms",
+                              1e3 * *options.period, kFewestRows, 1e3 * kFewestRows * out.sample_time));
   const auto longest = std::max_element(
       all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second.rows() < b.second.rows(); });
   if (longest == all.end()) return plan;
@@ -373,7 +377,9 @@ void fill_lines(Response& out, const std::vector<std::size_t>& bins, const Table
 }
 
 void measure_speed(Response& out, const Plan& plan) {
-  const auto lag = static_cast<std::size_t>(std::max(2.0, std::ceil(0.02 / out.sample_time)));
+  // No longer than half of a segment, so that every segment has a speed.
+  const auto lag = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(0.02 / out.sample_time)), 2,
+                                           std::max<std::size_t>(2, plan.window / 2));
   double way = 0.0;
   double time = 0.0;
   out.slowest = 1e300;

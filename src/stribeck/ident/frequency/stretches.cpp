@@ -101,7 +101,7 @@ std::size_t repeat_of(const std::vector<double>& z, const Stretch& stretch) {
   double least = kRepeats;
   for (std::size_t n = kShortestRepeat; 2 * n <= inner.d.size(); ++n) {
     const double now = inner.change(n, least);
-    // The multiples of a period repeat as well as itself.
+    // A multiple of the period repeats as well as the period.
     if (now < least && (best == 0 || now < 0.3 * least)) {
       best = n;
       least = now;

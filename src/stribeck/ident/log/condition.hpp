@@ -115,10 +115,11 @@ struct RoughFit {
 /// Marks of a row, as bits.
 enum RowMark : std::uint8_t {
   kGoodRow = 0,
-  kSignUnsure = 1,   ///< sign of the force recovered, nearer to zero than the noise; left out of fits
-  kAtRest = 2,       ///< standstill at the beginning or the end of the record
-  kAtLimit = 4,      ///< force at the end of its range; left out of fits
-  kRepairedRow = 8,  ///< a single wild sample was replaced; left out of fits
+  kSignUnsure = 1,  ///< sign of the force recovered, nearer to zero than the noise; left out of fits
+  kAtRest = 2,      ///< standstill at the beginning or the end of the record
+  kAtLimit = 4,     ///< force at the end of its range; left out of fits
+  kRepairedRow =
+      8,  ///< a wild sample was replaced, or a row that was lost or not renewed was put in; left out of fits
 };
 
 struct Conditioned {

@@ -330,10 +330,12 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
   const double least = std::max(6.0 * spread, kTight * rows.friction);
   std::size_t first = kPlaces, last = 0;
   double most = 0.0;
+  std::array<bool, 2> passed{true, true};  // all of these places
   for (std::size_t i = 0; i < kPlaces; ++i) {
     // Both directions feel it, or the only one that came here.
     if (mean[i] - middle < least || lesser[i] - middle < 0.5 * least) continue;
     first = std::min(first, i), last = i;
+    for (std::size_t s = 0; s < 2; ++s) passed[s] = passed[s] && count[s][i] > 2.0;
     most = std::max(most, mean[i] - middle);
   }
   if (first == kPlaces || static_cast<double>(last + 1 - first) > kWidestSpot * kPlaces) return;
@@ -341,8 +343,12 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
     return rows.shown().length(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
   };
   out.warnings.push_back(fmt::format(
-      "friction is {} ({} % of it) higher between {} and {}, in both directions: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
-      rows.shown().force(most), digits(100.0 * most / rows.friction, 2), place(first), place(last + 1)));
+      "friction is {} ({} % of it) higher between {} and {}, {}: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
+      rows.shown().force(most), digits(100.0 * most / rows.friction, 2), place(first), place(last + 1),
+      passed[0] && passed[1] ? "in both directions"
+      : passed[0]            ? "in positive direction (the other one did not pass there)"
+      : passed[1]            ? "in negative direction (the other one did not pass there)"
+                             : "in the direction that passed there"));
 }
 
 }  // namespace

@@ -252,7 +252,7 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method) {
   for (int pass = 0; pass < kPasses && may_run_again(found.result.method); ++pass) {
     ident::residual::Diagnosis next = d, more = taken;
     if (!prepare(next, more)) break;
-    // What is compared is made in the same way.
+    // Both sides of the comparison are identified in the same way.
     if (std::isnan(rms)) {
       last = Cleaned{taken, axis, method(axis, Depth::kSteady)};
       rms = ident::residual::diagnose(axis.records, last->found.result).quality.rms;

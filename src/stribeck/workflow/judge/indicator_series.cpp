@@ -79,11 +79,18 @@ std::vector<int> directions_of(const io::Log& table, const io::Column& column) {
   return all;
 }
 
+std::vector<double> numbers_of(const io::Log& table, const io::Column& column, const Quantity& quantity) {
+  if (column.values.empty())
+    throw io::InputError({table.source, 0, column.name,
+                          fmt::format("holds text in most rows, expected numbers in {}", quantity.shown)});
+  return io::in_si(column, quantity);
+}
+
 /// Of a column that may be left out.
 std::vector<double> values_of(const io::Log& table, std::string_view name, const Quantity& quantity,
                               std::size_t rows) {
   const io::Column* column = column_of(table, name);
-  return column == nullptr ? std::vector<double>(rows, 0.0) : io::in_si(*column, quantity);
+  return column == nullptr ? std::vector<double>(rows, 0.0) : numbers_of(table, *column, quantity);
 }
 
 }  // namespace
@@ -103,7 +110,7 @@ std::vector<ident::lost_motion::Reading> read_indicator_series(const std::string
           {file, 0, c.header, fmt::format("is no column of a series of readings, {}", kExpected)});
   }
   const std::vector<int> directions = directions_of(table, *direction);
-  const std::vector<double> values = io::in_si(*reading, quantity("m", "um"));
+  const std::vector<double> values = numbers_of(table, *reading, quantity("m", "um"));
   const std::vector<double> positions = values_of(table, "position", quantity("m", "mm"), values.size());
   const std::vector<double> loads = values_of(table, "load", quantity("N", "N"), values.size());
   std::vector<ident::lost_motion::Reading> series;

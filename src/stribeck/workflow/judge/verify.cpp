@@ -167,7 +167,7 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   }
 }
 
-/// A model is not to blame for the force of an axis that stands.
+/// Rows at rest do not count against a model.
 void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<std::string>& warnings) {
   if (!e.of_rests()) return;
   const bool bristles = friction::has_pre_sliding(m.model.friction.dynamics);

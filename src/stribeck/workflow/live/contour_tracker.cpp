@@ -49,7 +49,7 @@ double ContourTracker::step(std::span<const double> commanded, std::span<const d
   if (points_.size() < 2) {
     double square = 0.0;
     for (std::size_t k = 0; k < axes_; ++k) square += (p[k] - r[k]) * (p[k] - r[k]);
-    return axes_ == 2 && square == 0.0 ? 0.0 : std::sqrt(square);
+    return std::sqrt(square);
   }
   double best = square_to(near_, p);
   // Forwards and backwards as long as it comes nearer; a few pieces farther, because noise makes small hills.

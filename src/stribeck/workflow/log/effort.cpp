@@ -238,7 +238,7 @@ void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
                   io::in_quotes(header_of(*e.from.column)), e.unit, gain_unit));
 }
 
-/// The force per unit of this column that the machine file says; empty: it does not. --lead goes before the drive's for a torque.
+/// The force per unit of this column that the machine file says; empty: it does not. For a torque, --lead overrides the lead of the drive.
 std::string gain_of(const LogOptions& options, const Effort& e) {
   const DriveScale& drive = options.drive;
   if (e.from.unit.empty()) return {};
@@ -323,7 +323,7 @@ void take_mirrored_apart(NamedColumn& from, int motors, std::vector<std::string>
   notes.push_back(std::move(text));
 }
 
-/// A sum that was asked for is taken as it was.
+/// A sum given with --map is used unchanged.
 void note_mirrored(const NamedColumn& from, std::vector<std::string>& notes) {
   for (const io::Column* other : from.beside) {
     const double r = correlation(*from.column, *other);

@@ -94,7 +94,9 @@ void choose(ExcitationPlan& plan, const StandIn& axis, const Progress& progress)
     if (more.empty()) return;
     const auto now = distance(expected[best], wanted);
     const auto before = distance(plan.together, wanted);
-    if (!plan.chosen.empty() && !(now.first < before.first || now.second < 0.8 * before.second)) return;
+    const bool gains =
+        now.first < before.first || (now.first == before.first && now.second < 0.8 * before.second);
+    if (!plan.chosen.empty() && !gains) return;
     plan.chosen.push_back(more[best]);
     plan.together = expected[best];
     if (now.first == 0) return;

@@ -50,7 +50,7 @@ struct ExpectedHalf {
 /// What an identification has told, in the same measure.
 ExpectedHalf told_by(const Identification& found, const AxisDescription& axis, double period);
 /// What it leaves too wide to compensate with: mass, friction or bristles. A log without delay shows none, so that the delay is not
-/// asked for. Neither are bristles that the encoder does not show.
+/// asked for. Bristles that the encoder cannot resolve are not asked for either.
 std::vector<Wanted> not_yet(const Identification& found, const AxisDescription& axis, double period);
 
 /// One method of excitation.

@@ -57,7 +57,8 @@ std::string name_in(const std::string& path) { return fs::path(path).filename().
 bool recorded(const std::vector<std::string>& logs, const std::string& method) {
   return std::any_of(logs.begin(), logs.end(), [&](const std::string& log) {
     const std::string name = name_in(log);
-    const bool other = method == "sine" && name.find("position-sine") != std::string::npos;
+    const bool other = method == "sine" && (name.find("position-sine") != std::string::npos ||
+                                            name.find("multisine") != std::string::npos);
     return !other && name.find(method) != std::string::npos;
   });
 }
@@ -97,7 +98,7 @@ class AxisStages {
         chosen = with_one_left_out(others, said);
         if (!chosen)
           said.push_back(fmt::format(
-              "{} is not what the model is verified on, against its name: the other logs alone do not determine the mass",
+              "{} is used for the identification, although its name says verify: the other logs alone do not determine the mass",
               candidate));
       }
       if (!chosen) continue;
@@ -282,7 +283,7 @@ class AxisStages {
     if (verdict.grade == report::Grade::kUndecided) {
       axis_.stage = CommissionStage::kNotVerified;
       axis_.open.push_back(fmt::format(
-          "{} cannot tell whether the model is right, which is not promoted: noise, resolution and the time between its rows make a right model miss up to {:.3g} % of the force",
+          "{} cannot show whether the model is right, so the model is not promoted: noise, resolution and the time between its rows make a right model miss up to {:.3g} % of the force",
           axis_.held_out, 100.0 * verdict.of_log));
       record("position-sine");
       return;
@@ -404,7 +405,7 @@ std::string key_of(const StageOptions& o, const LogsOfAxis& logs) {
 
 constexpr std::string_view kSchema = "stribeck.commission-state/1";
 
-/// Results of earlier commands, by axis: {"key", "result"}. A state that cannot be read is no state.
+/// Results of earlier commands, by axis: {"key", "result"}; empty where there is no such file. A file that is no state is refused.
 Json read_state(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return Json::object();

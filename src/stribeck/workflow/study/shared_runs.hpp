@@ -33,7 +33,7 @@ class SharedRuns {
     std::chrono::milliseconds beat{1000};        ///< between two counts of a process
     std::chrono::milliseconds patience{20'000};  ///< without a count: it is dead
   };
-  /// note(text): something that a user should read, as a process that died.
+  /// note(text): called for events that the user should see, e.g. that a process has died.
   using Note = std::function<void(const std::string&)>;
 
   SharedRuns(const std::string& folder, const std::string& inputs, std::uint64_t runs, Note note, Pace pace);

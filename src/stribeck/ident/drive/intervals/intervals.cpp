@@ -151,7 +151,7 @@ MatrixXd between_folds(const std::vector<VectorXd>& held_out, Index size, double
   for (const VectorXd& value : held_out) mean += value / folds;
   for (const VectorXd& value : held_out)
     out.topLeftCorner(Q, Q) += (folds - 1.0) / folds * (value - mean) * (value - mean).transpose();
-  // Few blocks tell their own scatter badly.
+  // The scatter of few blocks is itself uncertain.
   return out * std::pow(stats::student_factor(folds - 1.0) / factor, 2.0);
 }
 

@@ -111,7 +111,7 @@ std::optional<ToldLoad> load_of_reversals(const Result& result, const Found& fou
   try {
     s = search(records_of_reversals(found.log), start, options);
   } catch (const Refused&) {
-    // What the bristle misses is said where it is asked for its parameters.
+    // add_bristle() reports what the bristle fit cannot determine.
     return {};
   }
   if (!s || !s->last.determinable) return {};
