@@ -129,7 +129,7 @@ void choose_map_again(const Stage& stage, Steady& steady, const DriveFitOptions&
   if (!stage.terms.periodic.empty()) steady.map = with_joint_fits(std::move(steady.map), stage.fit);
 }
 
-/// The lag of friction beside the viscous part of the map, where held-out motion is predicted better with it.
+/// The lag of friction beside the viscous part of the map, where held-out motion is predicted clearly better with it.
 void take_better_lag(Stage& stage, Steady& steady, const DriveFitOptions& options) {
   if (!(stage.relaxation.length > 0.0)) return;
   const std::vector<double> lag = stage.rows.lag;
@@ -137,7 +137,8 @@ void take_better_lag(Stage& stage, Steady& steady, const DriveFitOptions& option
   MapChoice before = steady.map;
   renew_lag(stage, before.map.fit);
   choose_map_again(stage, steady, options);
-  if (steady.map.map.held_out_rms < before.map.held_out_rms) return;
+  constexpr double kWorthwhile = 0.99;  // of the held-out error
+  if (steady.map.map.held_out_rms < kWorthwhile * before.map.held_out_rms) return;
   stage.rows.lag = lag;
   stage.fit = fit;
   steady.map = std::move(before);

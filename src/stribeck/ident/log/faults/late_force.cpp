@@ -17,10 +17,11 @@ using Eigen::VectorXd;
 
 constexpr double kOfDrives = 0.025;  // [s] a delay that the fit finds by itself
 constexpr double kReach = 1.0;       // [s] of the search, either way
-constexpr double kWindow = 0.01;     // [s] of the second difference, either way
+constexpr double kBend = 0.01;       // [s] of the second difference, either way
 constexpr std::size_t kMostRows = 3000;
 constexpr double kMostLags = 1000.0;
 constexpr double kExplained = 0.05;  // of the squares of the force may be left
+constexpr double kInertia = 0.1;     // of the squares must be that of inertia
 constexpr double kMuchLess = 0.25;   // of the squares that a delay of a drive leaves
 constexpr double kLess = 0.8;        // the same where the best delay of a drive is the longest
 
@@ -35,7 +36,7 @@ class Stretch {
  public:
   Stretch(const Table& m, std::size_t first, std::size_t last) : f_(m.f) {
     const double T = m.sample_time;
-    const auto w = static_cast<std::size_t>(std::max(1.0, std::round(kWindow / T)));
+    const auto w = static_cast<std::size_t>(std::max(1.0, std::round(kBend / T)));
     first = std::max(first, w);
     last = std::min(last, m.rows() > w ? m.rows() - w : 0);
     if (last < first + kFewestRows) return;
@@ -54,25 +55,39 @@ class Stretch {
     for (Index i = 0; i < design.rows(); ++i) {
       const auto k = static_cast<std::size_t>(i);
       constexpr double kSlow = 1e-3;  // of the top speed: friction has no direction
-      design.row(i) << 1.0, a[k], v[k],
-          std::abs(v[k]) > kSlow * top ? std::copysign(1.0, v[k]) : v[k] / (kSlow * top);
+      design.row(i) << 1.0, v[k],
+          std::abs(v[k]) > kSlow * top ? std::copysign(1.0, v[k]) : v[k] / (kSlow * top), a[k];
     }
     basis_ = design.householderQr().householderQ() * MatrixXd::Identity(design.rows(), design.cols());
   }
 
   [[nodiscard]] bool tells() const { return basis_.rows() > 0; }
 
-  /// What is left with the force `late` rows later than the motion.
-  [[nodiscard]] double left(std::ptrdiff_t late) const {
+  /// With the force of `late` rows later.
+  [[nodiscard]] VectorXd force(std::ptrdiff_t late) const {
     VectorXd f(basis_.rows());
     const auto n = static_cast<std::ptrdiff_t>(f_.size());
     for (Index i = 0; i < f.size(); ++i) {
       const auto k = static_cast<std::ptrdiff_t>(at_[static_cast<std::size_t>(i)]) + late;
       f(i) = f_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, n - 1))];
     }
+    return f;
+  }
+
+  /// What is left with the force `late` rows later than the motion.
+  [[nodiscard]] double left(std::ptrdiff_t late) const {
+    const VectorXd f = force(late);
     const double about_mean = (f.array() - f.mean()).square().sum();
     if (!(about_mean > 0.0)) return 1.0;
     return std::max(0.0, f.squaredNorm() - (basis_.transpose() * f).squaredNorm()) / about_mean;
+  }
+
+  /// Share of the squares that inertia alone explains. Friction of a slow motion turns over with the distance after a reversal, which looks
+  /// like a delay.
+  [[nodiscard]] double inertia(std::ptrdiff_t late) const {
+    const VectorXd f = force(late);
+    const double about_mean = (f.array() - f.mean()).square().sum();
+    return about_mean > 0.0 ? std::pow(basis_.col(3).dot(f), 2.0) / about_mean : 0.0;
   }
 
   /// The best of middle − reach … middle + reach, to a part of a row.
@@ -96,7 +111,7 @@ class Stretch {
  private:
   const std::vector<double>& f_;
   std::vector<std::size_t> at_;
-  MatrixXd basis_;  ///< orthonormal: constant, acceleration, velocity, direction
+  MatrixXd basis_;  ///< orthonormal: constant, velocity, direction, acceleration
 };
 
 /// The force of row k is that of row k + late + rate·k; rows beyond the ends are cut.
@@ -134,7 +149,7 @@ std::optional<Drift> drift_of(const Table& m, double late) {
     const Stretch part(m, first, last);
     if (!part.tells()) continue;
     const Lag lag = part.best(static_cast<std::ptrdiff_t>(std::round(late)), kAround);
-    if (lag.left > kExplained) continue;
+    if (lag.left > kExplained || part.inertia(std::lround(lag.rows)) < kInertia) continue;
     x.push_back(0.5 * static_cast<double>(first + last));
     y.push_back(lag.rows);
   }
@@ -169,7 +184,8 @@ void align_late_force(std::vector<Table>& tables, Notes& notes) {
   const bool at_border = std::abs(of_drive.rows) > static_cast<double>(usual) - 1.0;
   if (of_drive.left > kExplained || at_border) {
     const Lag far = all.best(0, reach);
-    const bool better = far.left < kExplained && far.left < (at_border ? kLess : kMuchLess) * of_drive.left;
+    const bool better = far.left < kExplained && all.inertia(std::lround(far.rows)) > kInertia &&
+                        far.left < (at_border ? kLess : kMuchLess) * of_drive.left;
     const double late = std::round(far.rows);
     if (better && std::abs(late) > static_cast<double>(usual)) {
       for (Table& m : tables) m = moved(m, late, 0.0);
