@@ -133,7 +133,7 @@ VirtualMachine random_machine(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   VirtualMachine m;
   m.radius = 0.05 * std::pow(3.0, unit(random));
-  m.spike_time = 0.04 + 0.06 * unit(random);
+  m.spike_time = 0.008 * std::pow(12.0, unit(random));
   for (double& p : m.pitch) p = 0.005 * std::pow(4.0, unit(random));
   m.noise = (0.05 + 0.15 * unit(random)) * 1e-6;
   m.vibration_frequency = 15.0 + 60.0 * unit(random);

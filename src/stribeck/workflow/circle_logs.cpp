@@ -13,6 +13,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/report/circle/circle_change.hpp>
@@ -84,6 +85,33 @@ circle::CircleTest tested(const io::Log& log, const Track& t, const std::string&
   }
 }
 
+/// A part program may go round without being a circle: its corners would be judged as errors of the machine.
+void refuse_other_paths(const io::Log& log, const Track& t, const circle::CircleMotion& motion,
+                        const std::string& where) {
+  constexpr double kMostCommanded = 0.02;  // of the radius: a command has no error but its rounding
+  constexpr double kMostMeasured = 0.1;
+  constexpr double kMostRows = 0.1;
+  const bool commanded = !t.rx.empty();
+  const std::vector<double>&x = commanded ? t.rx : t.x, &y = commanded ? t.ry : t.y;
+  std::vector<double> radii;
+  for (const circle::CircleRun& run : motion.runs) {
+    for (std::size_t i = run.first; i < run.last; ++i)
+      radii.push_back(std::hypot(x[i] - motion.centre_x, y[i] - motion.centre_y));
+  }
+  const double middle = ident::stats::median(radii);
+  const double most = (commanded ? kMostCommanded : kMostMeasured) * middle;
+  const auto off = std::count_if(radii.begin(), radii.end(),
+                                 [&](double radius) { return std::abs(radius - middle) > most; });
+  if (static_cast<double>(off) <= kMostRows * static_cast<double>(radii.size())) return;
+  const auto [low, high] = std::minmax_element(radii.begin(), radii.end());
+  throw io::InputError(
+      {log.source, 0, where,
+       fmt::format(
+           "the {} positions go round, but are no circle: {:.4g} to {:.4g} mm from their middle; expected a circle (--where "
+           "COLUMN=VALUE chooses the rows of one)",
+           commanded ? "commanded" : "measured", 1e3 * *low, 1e3 * *high)});
+}
+
 /// One circle for each direction of travel, without run-in and run-out.
 void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, const std::string& where,
                  double radius, std::vector<std::string>& rows) {
@@ -101,6 +129,7 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
     rows.push_back(where);
     return;
   }
+  refuse_other_paths(log, t, motion, where);
   for (const bool counter_clockwise :
        {motion.runs.front().counter_clockwise, !motion.runs.front().counter_clockwise}) {
     Track own = t.empty_copy();

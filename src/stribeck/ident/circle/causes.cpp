@@ -259,7 +259,9 @@ std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, doubl
     const auto axis = static_cast<std::size_t>(*c.axis);
     double most = std::abs(c.size);
     for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * std::abs(end.value));
-    out[axis] = {c.size > 0.0 ? std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)) : windows[axis], most};
+    const bool stands = c.size > 0.0;
+    out[axis] = {stands ? std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)) : windows[axis], most, stands};
+    for (std::size_t end = 0; end < 2; ++end) out[axis].at_ends[end] = 1e-6 * c.figures[end].value;
   }
   return out;
 }
@@ -327,8 +329,9 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
     out.causes.push_back(std::move(cause));
   }
   const std::vector<double> rest = rest_of_rows(f.rows, f.design, f.fit);
-  out.peaks =
-      quadrant_peaks(f.rows, rest, f.fit.windows, crossing_of_play(out.causes, f.rows.radius, f.fit.windows));
+  const Explained explained(f.rows, f.design, f.fit);
+  out.peaks = quadrant_peaks(f.rows, rest, PassingSamples(motions, f.rows, explained), f.fit.windows,
+                             crossing_of_play(out.causes, f.rows.radius, f.fit.windows));
   for (QuadrantPeak& p : out.peaks) add_width_of_fit(f, u, p);
   for (const int axis : {0, 1}) out.causes.push_back(spike_of(out.peaks, axis));
   if (const auto vibration = find_vibration(motions, f.rows, f.design, f.fit)) {

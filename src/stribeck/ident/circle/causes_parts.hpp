@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <stribeck/ident/circle/causes.hpp>
+#include <utility>
 #include <vector>
 
 namespace stribeck::ident::circle {
@@ -117,15 +119,62 @@ std::vector<Pitch> find_pitches(const CauseRows& rows);
 /// Measured less fitted of every row [m].
 std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, const CauseFit& fit);
 
+/// Radial error of a sample that the fit explains.
+class Explained {
+ public:
+  Explained(const CauseRows& rows, const Design& design, const CauseFit& fit)
+      : rows_(rows), design_(design), fit_(fit) {}
+  [[nodiscard]] double at(const CircleRun& run, int log, std::size_t i, double progress = 0.0) const;
+
+ private:
+  const CauseRows& rows_;
+  const Design& design_;
+  const CauseFit& fit_;
+};
+
+/// Run, and quarter of a turn within it.
+using Passing = std::pair<int, long>;
+
+/// The samples behind single reversals: a spike may be narrower than the step of the rows.
+class PassingSamples {
+ public:
+  struct Sample {
+    double behind = 0.0;   ///< angle behind the reversal [rad]
+    double rest = 0.0;     ///< [m]
+    bool goes_on = false;  ///< the sample before it is of the same passing
+  };
+  PassingSamples(const std::vector<CircleMotion>& motions, const CauseRows& rows, const Explained& explained);
+  /// Of several passings, `from` ≤ angle behind the reversal < `to` [rad].
+  [[nodiscard]] std::vector<Sample> of(const std::vector<Passing>& passings, double from, double to) const;
+
+ private:
+  struct Run {
+    const CircleRun* run;
+    int log;
+  };
+  [[nodiscard]] double progress_at(int run, double angle) const;
+
+  const CauseRows& rows_;
+  const Explained& explained_;
+  std::vector<Run> runs_;
+  using Ends = std::pair<std::size_t, std::size_t>;  ///< the first and the last one
+  std::map<Passing, Ends> ends_;                     ///< samples
+  std::map<int, Ends> rows_of_run_;
+};
+
 /// What an axis does behind a reversal: it crosses its play and stands still, or its compensation takes its time for a step that is too
 /// large.
 struct Crossing {
-  double angle = 0.0;  ///< that it needs for it, behind the reversal [rad]; 0: it has no play
-  double play = 0.0;   ///< size of the play, or of the step [m]
+  double angle = 0.0;               ///< that it needs for it, behind the reversal [rad]; 0: it has no play
+  double play = 0.0;                ///< size of the play, or of the step [m]
+  bool stands = false;              ///< it crosses its play; false: it is compensated too much
+  std::array<double, 2> at_ends{};  ///< play at the positive and at the negative end [m]
 };
-/// Where an axis crosses its play no peak is looked for, except one that is larger than the play.
+/// A peak is found on the rows, and its height, width and delay are measured on the samples where they resolve it. Where an axis crosses
+/// its play, what stands still explains is taken off first, and no peak is looked for, except one that is larger than half of the play.
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         const Windows& windows, const std::array<Crossing, 2>& crossing);
+                                         const PassingSamples& samples, const Windows& windows,
+                                         const std::array<Crossing, 2>& crossing);
 
 struct Vibration {
   std::optional<int>

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
@@ -14,7 +15,8 @@ namespace {
 
 /// The rest behind one reversal of one axis in one direction at one feed: mean over laps, over the angle behind the reversal.
 struct Profile {
-  std::vector<double> mean;                 ///< NaN: no samples
+  std::vector<double> mean;  ///< NaN: no samples
+  std::vector<Passing> passings;
   std::vector<std::vector<double>> by_lap;  ///< of each passing; NaN: none
 };
 
@@ -28,7 +30,6 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
   const auto group = [&](const CauseRow& row) {
     return std::isfinite(row.feed) ? std::round(20.0 * std::log(row.feed)) : 0.0;
   };
-  using Passing = std::pair<int, long>;  // run and quarter
   std::map<PeakPlace, std::map<Passing, std::vector<double>>> passings;
   std::set<Passing>
       begins;  // quarters in which a run begins: whether the axis has reversed there is not seen
@@ -46,8 +47,11 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
     p.mean.assign(cells, none);
     for (const bool all : {false, true}) {
       if (!p.by_lap.empty()) break;  // a passing at a begin counts where there is no other
-      for (const auto& [which, lap] : laps)
-        if (all || !begins.contains(which)) p.by_lap.push_back(lap);
+      for (const auto& [which, lap] : laps) {
+        if (!all && begins.contains(which)) continue;
+        p.passings.push_back(which);
+        p.by_lap.push_back(lap);
+      }
     }
     for (std::size_t k = 0; k < cells; ++k) {
       double sum = 0.0;
@@ -88,15 +92,26 @@ std::pair<std::size_t, std::size_t> beyond(const std::vector<double>& v, std::si
   return {low, high};
 }
 
+constexpr std::size_t kResolved = 5;  // steps beyond four fifths of the top: none of its height is lost
+
+struct Top {
+  double height = 0.0;
+  double at = 0.0;        ///< [steps]
+  std::size_t steps = 0;  ///< beyond four fifths of it
+};
+
 /// Largest value of the parabola through the steps round the top: less noise than one step, no loss of height by smoothing.
-double height_at(const std::vector<double>& mean, const std::vector<double>& smooth, std::size_t top) {
+Top top_at(const std::vector<double>& mean, const std::vector<double>& smooth, std::size_t top) {
   const auto [low, high] = beyond(smooth, top, 0.8);
+  const double middle = static_cast<double>(top);
   std::vector<std::pair<double, double>> points;
   for (std::size_t k = low; k <= high; ++k) {
-    if (std::isfinite(mean[k]))
-      points.emplace_back(static_cast<double>(k) - static_cast<double>(top), mean[k]);
+    if (std::isfinite(mean[k])) points.emplace_back(static_cast<double>(k) - middle, mean[k]);
   }
-  if (points.size() < 5) return std::abs(mean[top]) > std::abs(smooth[top]) ? mean[top] : smooth[top];
+  if (points.size() < kResolved) {
+    const double height = std::abs(mean[top]) > std::abs(smooth[top]) ? mean[top] : smooth[top];
+    return {height, middle + 0.5, points.size()};
+  }
   Eigen::MatrixXd X(static_cast<Eigen::Index>(points.size()), 3);
   Eigen::VectorXd y(X.rows());
   for (Eigen::Index i = 0; i < X.rows(); ++i) {
@@ -106,8 +121,91 @@ double height_at(const std::vector<double>& mean, const std::vector<double>& smo
   }
   const Eigen::VectorXd c = stats::least_squares(X, y).x;
   const double at = c(2) * y(y.size() / 2) < 0.0 ? -0.5 * c(1) / c(2) : 0.0;
-  if (at < points.front().first || at > points.back().first) return smooth[top];
-  return c(0) + c(1) * at + c(2) * at * at;
+  if (at < points.front().first || at > points.back().first)
+    return {smooth[top], middle + 0.5, points.size()};
+  return {c(0) + c(1) * at + c(2) * at * at, middle + 0.5 + at, points.size()};
+}
+
+/// Where the largest value is, of `first` to `last`.
+std::size_t largest(const std::vector<double>& v, std::size_t first, std::size_t last) {
+  std::size_t top = first;
+  for (std::size_t k = first; k <= last; ++k) {
+    if (std::isfinite(v[k]) && !(std::abs(v[k]) <= std::abs(v[top]))) top = k;
+  }
+  return top;
+}
+
+/// Radial error of an axis that stands still while it crosses its play, beyond that of one that has crossed it.
+struct Standing {
+  double play = 0.0;
+  double radius = 0.0;
+  [[nodiscard]] double at(double behind) const {
+    return -std::max(0.0, play - radius * (1.0 - std::cos(behind)));
+  }
+};
+
+struct FinePeak {
+  double height = 0.0;
+  double half_width = 0.0;
+  double at = 0.0;     ///< angle behind the reversal [rad]
+  double width = 0.0;  ///< at half height [rad]; NaN: reaches over the samples
+};
+
+/// Standard deviation of a sample, from the differences of neighbours.
+double noise_of(const std::vector<PassingSamples::Sample>& samples) {
+  double squares = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (!samples[i].goes_on) continue;
+    squares += std::pow(samples[i].rest - samples[i - 1].rest, 2);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(0.5 * squares / count) : HUGE_VAL;
+}
+
+/// The peak of samples, on steps as fine as its top needs and the samples allow; absent: they are no finer than `step`.
+std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& samples, double from, double to,
+                                  double step, const Standing& standing) {
+  constexpr std::size_t kFewest = 8;
+  if (samples.size() < kFewest) return std::nullopt;
+  const auto passings =
+      std::count_if(samples.begin(), samples.end(), [](const auto& s) { return !s.goes_on; });
+  const double spacing = (to - from) * static_cast<double>(passings) / static_cast<double>(samples.size());
+  const double noise = noise_of(samples);
+  std::optional<FinePeak> out;
+  for (double cell = 0.5 * step; cell >= spacing; cell *= 0.5) {
+    const auto cells = static_cast<std::size_t>(std::ceil((to - from) / cell));
+    std::vector<double> mean(cells, 0.0);
+    std::vector<int> count(cells, 0);
+    for (const auto& s : samples) {
+      const auto k = std::min(static_cast<std::size_t>((s.behind - from) / cell), cells - 1);
+      mean[k] += s.rest - standing.at(s.behind);
+      ++count[k];
+    }
+    for (std::size_t k = 0; k < cells; ++k)
+      mean[k] = count[k] > 0 ? mean[k] / count[k] : std::numeric_limits<double>::quiet_NaN();
+    const std::vector<double> smooth = smoothed(mean);
+    const std::size_t at = largest(smooth, 0, cells - 1);
+    if (!std::isfinite(smooth[at])) return std::nullopt;
+    const Top top = top_at(mean, smooth, at);
+    const auto [low, high] = beyond(smooth, at, 0.5);
+    const bool whole = (low > 0 || from == 0.0) && high + 1 < cells;
+    const double in_cell = static_cast<double>(samples.size()) / static_cast<double>(cells);
+    // The vertex of a parabola through n points has 9/4 of the variance of their mean.
+    const double points = top.steps < kResolved ? 1.0 : static_cast<double>(top.steps) / 2.25;
+    double half_width = 1.96 * noise / std::sqrt(in_cell * points);
+    if (top.steps < kResolved) {
+      // Between two steps the top may be higher by what it falls to its neighbours.
+      const double next =
+          std::max(at > 0 && std::isfinite(mean[at - 1]) ? std::abs(mean[at - 1]) : 0.0,
+                   at + 1 < cells && std::isfinite(mean[at + 1]) ? std::abs(mean[at + 1]) : 0.0);
+      half_width = std::hypot(half_width, 0.5 * std::max(0.0, std::abs(top.height) - next));
+    }
+    out = {top.height, half_width, from + top.at * cell,
+           whole ? static_cast<double>(high - low + 1) * cell : std::numeric_limits<double>::quiet_NaN()};
+    if (top.steps >= kResolved) break;
+  }
+  return out;
 }
 
 /// Whether the rest behind a reversal is that of an axis that crosses its play: off by the play at first, and less and less. A peak is
@@ -125,60 +223,145 @@ bool stands_still(const std::vector<double>& smooth, std::size_t end, double pla
   return !(most > kBeyondPlay * play) && !(most > kRise * play && first < kRise * most);
 }
 
-QuadrantPeak peak_of(const PeakPlace& place, const Profile& p, const CauseRows& rows, double window,
-                     const Crossing& crossing) {
-  constexpr double kLeast = 10.0 * kPi / 180.0;
-  const std::vector<double> smooth = smoothed(p.mean);
-  const auto within =
-      std::min(static_cast<std::size_t>(std::max(window, kLeast) / rows.step), smooth.size() - 1);
-  // One step more than the play: the smoothing reaches that far.
-  std::size_t begin =
-      crossing.angle > 0.0 ? std::min(static_cast<std::size_t>(crossing.angle / rows.step) + 2, within) : 0;
-  if (begin > 0 && !stands_still(smooth, begin, crossing.play)) begin = 0;
-  std::size_t top = begin;
-  for (std::size_t k = begin; k <= within; ++k) {
-    if (std::isfinite(smooth[k]) && !(std::abs(smooth[k]) <= std::abs(smooth[top]))) top = k;
-  }
-  QuadrantPeak peak;
-  peak.counter_clockwise = std::get<0>(place) < 0.0;
-  peak.axis = std::get<2>(place) % 2;
-  peak.angle = 0.5 * kPi * std::get<2>(place);
-  peak.laps = static_cast<int>(p.by_lap.size());
-  peak.height = height_at(p.mean, smooth, top);
-  peak.delay = (static_cast<double>(top) + 0.5) * rows.step;
-  const auto [low, high] = beyond(smooth, top, 0.5);
-  peak.width = static_cast<double>(high - low + 1) * rows.step;
-  // Scatter where no peak is.
-  double square = 0.0;
-  int count = 0;
-  for (std::size_t k = within + 1; k + 8 < smooth.size(); ++k) {
-    if (!std::isfinite(smooth[k])) continue;
-    square += smooth[k] * smooth[k];
-    ++count;
-  }
-  peak.half_width_95 = count > 0 ? 1.96 * std::sqrt(square / count) : HUGE_VAL;
-  // Over laps: each lap's mean round the top.
-  double sum = 0.0;
-  double squares = 0.0;
-  int laps = 0;
-  for (const auto& lap : p.by_lap) {
-    double of_lap = 0.0;
-    int steps = 0;
-    for (std::size_t k = low; k <= high; ++k) {
-      if (!std::isfinite(lap[k])) continue;
-      of_lap += lap[k];
-      ++steps;
-    }
-    if (steps == 0) continue;
-    of_lap /= steps;
-    sum += of_lap;
-    squares += of_lap * of_lap;
-    ++laps;
-  }
-  peak.repeatability = laps > 1 ? std::sqrt(std::max(0.0, (squares - sum * sum / laps) / (laps - 1)))
-                                : std::numeric_limits<double>::quiet_NaN();
-  return peak;
+/// Whether an axis that has play stands still right behind the reversal: there it is off by its play, whatever rises behind it. A line
+/// through the first samples, as many as its error needs, is followed back to the reversal.
+bool stands_at_first(std::vector<PassingSamples::Sample> samples, const Standing& standing) {
+  constexpr double kMost = 0.7;      // of the play is left
+  constexpr double kCertain = 0.15;  // of the play: standard error of the value at the reversal
+  constexpr std::size_t kFewest = 8;
+  const double per_play = noise_of(samples) / standing.play;
+  std::erase_if(samples, [&](const auto& s) { return -standing.at(s.behind) < kMost * standing.play; });
+  std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.behind < b.behind; });
+  const double needed = std::max(static_cast<double>(kFewest), std::pow(2.0 * per_play / kCertain, 2));
+  if (static_cast<double>(samples.size()) > needed) samples.resize(static_cast<std::size_t>(needed));
+  double n = 0.0, x = 0.0, xx = 0.0, y = 0.0, xy = 0.0;
+  for (const auto& s : samples)
+    n += 1.0, x += s.behind, xx += s.behind * s.behind, y += s.rest, xy += s.behind * s.rest;
+  const double determinant = n * xx - x * x;
+  if (samples.size() < kFewest || !(determinant > 1e-6 * n * xx)) return false;
+  return (xx * y - x * xy) / determinant < -0.5 * standing.play;
 }
+
+/// The peak behind one reversal.
+class PeakSearch {
+ public:
+  PeakSearch(const PeakPlace& place, const Profile& profile, const CauseRows& rows,
+             const PassingSamples& samples, double window, const Crossing& crossing)
+      : place_(place), p_(profile), rows_(rows), samples_(samples), crossing_(crossing) {
+    constexpr double kLeast = 10.0 * kPi / 180.0;
+    smooth_ = smoothed(p_.mean);
+    within_ = std::min(static_cast<std::size_t>(std::max(window, kLeast) / rows.step), smooth_.size() - 1);
+    look_at_crossing();
+  }
+
+  [[nodiscard]] QuadrantPeak peak() const {
+    const std::size_t top = largest(smooth_, begin_, within_);
+    QuadrantPeak peak;
+    peak.counter_clockwise = std::get<0>(place_) < 0.0;
+    peak.axis = std::get<2>(place_) % 2;
+    peak.angle = 0.5 * kPi * std::get<2>(place_);
+    peak.laps = static_cast<int>(p_.by_lap.size());
+    const Top rough = top_at(mean_, smooth_, top);
+    peak.height = rough.height;
+    peak.delay = (static_cast<double>(top) + 0.5) * rows_.step;
+    const auto [low, high] = beyond(smooth_, top, 0.5);
+    peak.width = static_cast<double>(high - low + 1) * rows_.step;
+    peak.half_width_95 = scatter();
+    peak.repeatability = repeatability(low, high);
+    if (rough.steps < kResolved && std::abs(peak.height) > 2.0 * peak.half_width_95) {
+      const std::size_t first = top > begin_ + kBeside ? top - kBeside : begin_;
+      take(fine(static_cast<double>(first) * rows_.step, static_cast<double>(top + 1 + kBeside) * rows_.step),
+           peak);
+    }
+    if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height)) take(in_play_, peak);
+    return peak;
+  }
+
+ private:
+  static constexpr std::size_t kBeside = 2;  // steps
+
+  /// Where the axis crosses its play: what stands still explains is taken off, or the peak is looked for behind it.
+  void look_at_crossing() {
+    mean_ = p_.mean;
+    if (!(crossing_.angle > 0.0)) return;
+    // One step more than the play: the smoothing reaches that far.
+    const std::size_t begin = std::min(static_cast<std::size_t>(crossing_.angle / rows_.step) + 2, within_);
+    const auto end = static_cast<std::size_t>(std::get<2>(place_) / 2);
+    const Standing standing{crossing_.stands ? std::max(0.0, crossing_.at_ends[end]) : 0.0, rows_.radius};
+    const double to = static_cast<double>(begin) * rows_.step;
+    if (standing.play > 0.0 && stands_at_first(samples_.of(p_.passings, 0.0, to), standing)) {
+      standing_ = standing;
+      for (std::size_t k = 0; k < mean_.size(); ++k)
+        mean_[k] -= standing_.at((static_cast<double>(k) + 0.5) * rows_.step);
+      smooth_ = smoothed(mean_);
+      begin_ = begin;
+      constexpr double kBeyondPlay = 0.5;
+      in_play_ = fine(0.0, to);
+      if (in_play_ &&
+          !(std::abs(in_play_->height) >
+            std::max(kBeyondPlay * standing_.play, 2.0 * std::max(in_play_->half_width, scatter()))))
+        in_play_.reset();
+    } else if (stands_still(smooth_, begin, crossing_.play)) {
+      begin_ = begin;
+    }
+  }
+
+  [[nodiscard]] std::optional<FinePeak> fine(double from, double to) const {
+    return fine_peak(samples_.of(p_.passings, from, to), from, to, rows_.step, standing_);
+  }
+  static void take(const std::optional<FinePeak>& fine, QuadrantPeak& peak) {
+    if (!fine || std::abs(fine->height) < std::abs(peak.height)) return;
+    peak.height = fine->height;
+    peak.half_width_95 = std::max(peak.half_width_95, fine->half_width);
+    peak.delay = fine->at;
+    if (std::isfinite(fine->width)) peak.width = fine->width;
+  }
+  /// 1.96 standard deviations where no peak is.
+  [[nodiscard]] double scatter() const {
+    double square = 0.0;
+    int count = 0;
+    for (std::size_t k = within_ + 1; k + 8 < smooth_.size(); ++k) {
+      if (!std::isfinite(smooth_[k])) continue;
+      square += smooth_[k] * smooth_[k];
+      ++count;
+    }
+    return count > 0 ? 1.96 * std::sqrt(square / count) : HUGE_VAL;
+  }
+  /// Standard deviation over laps, of each lap's mean round the top.
+  [[nodiscard]] double repeatability(std::size_t low, std::size_t high) const {
+    double sum = 0.0;
+    double squares = 0.0;
+    int laps = 0;
+    for (const auto& lap : p_.by_lap) {
+      double of_lap = 0.0;
+      int steps = 0;
+      for (std::size_t k = low; k <= high; ++k) {
+        if (!std::isfinite(lap[k])) continue;
+        of_lap += lap[k];
+        ++steps;
+      }
+      if (steps == 0) continue;
+      of_lap /= steps;
+      sum += of_lap;
+      squares += of_lap * of_lap;
+      ++laps;
+    }
+    return laps > 1 ? std::sqrt(std::max(0.0, (squares - sum * sum / laps) / (laps - 1)))
+                    : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  const PeakPlace& place_;
+  const Profile& p_;
+  const CauseRows& rows_;
+  const PassingSamples& samples_;
+  const Crossing& crossing_;
+  std::vector<double> mean_;
+  std::vector<double> smooth_;
+  std::size_t begin_ = 0;
+  std::size_t within_ = 0;
+  Standing standing_;
+  std::optional<FinePeak> in_play_;  ///< a peak where the axis crosses its play
+};
 
 /// RMS of the rest where no peak is, over all runs; infinite: nowhere.
 double rest_beside_peaks(const CauseRows& rows, const std::vector<double>& rest, const Windows& windows) {
@@ -205,7 +388,8 @@ bool covers_reversal(const Profile& p, double step) {
 }  // namespace
 
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         const Windows& windows, const std::array<Crossing, 2>& crossing) {
+                                         const PassingSamples& samples, const Windows& windows,
+                                         const std::array<Crossing, 2>& crossing) {
   std::map<double, std::pair<double, int>> feeds;
   for (const CauseRow& row : rows.rows) {
     if (!std::isfinite(row.feed)) continue;
@@ -217,7 +401,7 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
   for (const auto& [place, profile] : profiles(rows, rest)) {
     if (!covers_reversal(profile, rows.step)) continue;
     const auto axis = static_cast<std::size_t>(std::get<2>(place) % 2);
-    QuadrantPeak peak = peak_of(place, profile, rows, windows[axis], crossing[axis]);
+    const QuadrantPeak peak = PeakSearch(place, profile, rows, samples, windows[axis], crossing[axis]).peak();
     // An arc that ends within the play shows no peak.
     if (!std::isfinite(peak.height)) continue;
     out.push_back(peak);

@@ -89,6 +89,26 @@ TEST(Causes, ABacklashThatIsCompensatedTooMuchIsNoSpike) {
   EXPECT_NEAR(cause_in(*d, CauseKind::kBacklash, 0).size, -8e-6, 0.1e-6);
 }
 
+// Spikes narrower than the step of the rows (a quarter of a degree), also where the axis crosses a play at the same time: heights that the
+// rows averaged were up to a third too small, and beside the play a tenth was left.
+TEST(Causes, ASpikeNarrowerThanTheStepsOfTheRows) {
+  for (const double backlash : {0.0, 3e-6}) {
+    for (const double feed : {1.0 / 120.0, 1.0 / 30.0}) {
+      VirtualMachine m;
+      m.rate = 1000.0;
+      m.spike[0] = 7e-6;
+      m.spike_time = 0.012;
+      m.backlash[0] = backlash;
+      const Diagnosis d = diagnosis_of(m, {feed});
+      const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+      EXPECT_TRUE(spike.found);
+      EXPECT_NEAR(spike.size, 7e-6, 0.3e-6) << feed << ' ' << backlash;
+      EXPECT_GT(spike.half_width, std::abs(spike.size - 7e-6)) << feed << ' ' << backlash;
+      EXPECT_NEAR(cause_in(d, CauseKind::kBacklash, 0).size, backlash, 0.05e-6);
+    }
+  }
+}
+
 // A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it was taken for backlash.
 TEST(Causes, ABroadSpikeIsNoBacklash) {
   VirtualMachine m;

@@ -13,26 +13,6 @@ constexpr std::size_t kLongestSegment = 512;
 constexpr std::size_t kShortestSegment = 128;
 constexpr std::size_t kFewestPieces = 4;
 
-/// Radial error that the fit explains.
-class Explained {
- public:
-  Explained(const CauseRows& rows, const Design& design, const CauseFit& fit)
-      : rows_(rows), design_(design), fit_(fit) {}
-  [[nodiscard]] double at(const CircleRun& run, int log, std::size_t i) const {
-    CauseRow row;
-    row.log = log;
-    row.angle = run.angle[i];
-    row.direction = run.counter_clockwise ? 1.0 : -1.0;
-    row.feed = run.feed;
-    return column_values(rows_, design_.columns, row).dot(fit_.coefficients);
-  }
-
- private:
-  const CauseRows& rows_;
-  const Design& design_;
-  const CauseFit& fit_;
-};
-
 /// A piece of the rest without its cubic trend, times Hann's window.
 std::vector<double> tapered(const CircleRun& run, int log, std::size_t first, std::size_t segment,
                             const Explained& explained) {

@@ -77,9 +77,7 @@ std::string text_table(const CircleReportInput& input) {
       text +=
           input.logs.size() > 1 ? causes_line(log.label, *log.diagnosis) : causes_text("", *log.diagnosis);
   }
-  for (const CircleLog& log : input.logs) {
-    for (const std::string& note : log.notes) text += clean_text("Note: " + log.label + ": " + note) + ".\n";
-  }
+  for (const std::string& warning : input.warnings) text += clean_text("Note: " + warning) + ".\n";
   if (input.logs.size() > 1) text += "\n" + changes_text(input);
   return text + limits_text(input);
 }

@@ -455,5 +455,31 @@ TEST_F(BallBar, NumbersAboveATableOfDecimalCommasHaveThemToo) {
               AllOf(HasSubstr("decimal commas"), HasSubstr("--size")));
 }
 
+// --size went before the radius that the file states without a word: angles in um/m depend on it.
+TEST_F(BallBar, SizeBesideAStatedRadiusIsNoted) {
+  CircleOptions o;
+  o.size = "90 mm";
+  std::string table = "# radius: 100 mm\nangle [deg],radius [mm]\n";
+  for (int k = 0; k < 1441; ++k) table += fmt::format("{},{:.4f}\n", k / 2.0, 100.0 + 0.001 * (k % 3));
+  const auto got = judged({table}, o);
+  EXPECT_THAT(got.warnings, Contains(AllOf(HasSubstr("states a radius of 100 mm"), HasSubstr("90 mm"))));
+}
+
+// A part program goes round without being a circle: its corners were taken for 26 mm of backlash.
+TEST_F(BallBar, APathThatIsNoCircleIsRefused) {
+  for (const bool commanded : {true, false}) {
+    std::string text = commanded ? "t [s],x [mm],y [mm],rx [mm],ry [mm]\n" : "t [s],x [mm],y [mm]\n";
+    for (int k = 0; k < 2160; ++k) {
+      const double angle = 2.0 * kPi * k / 720.0;
+      // A square with rounded corners, from 20 to 24.3 mm.
+      const double r = 20e-3 / std::pow(std::pow(std::cos(angle), 8) + std::pow(std::sin(angle), 8), 0.125);
+      const double x = 1e3 * r * std::cos(angle), y = 1e3 * r * std::sin(angle);
+      text += fmt::format("{:.3f},{:.6f},{:.6f}", 0.01 * k, x, y);
+      text += commanded ? fmt::format(",{:.6f},{:.6f}\n", x, y) : "\n";
+    }
+    EXPECT_THAT(refused(text), AllOf(HasSubstr("are no circle"), HasSubstr("--where"))) << commanded;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::ball_bar_test

@@ -128,10 +128,33 @@ double rounded_radius(double radius, bool commanded) {
   return radius;
 }
 
+/// What files state, where --size says another radius; empty: no file does.
+std::string note_on_stated_radii(const std::vector<io::Log>& logs, const CircleMap& map, double given) {
+  constexpr double kSame = 1e-6;  // of the radius
+  for (const io::Log& log : logs) {
+    if (!ball_bar_columns(log, map)) continue;
+    std::optional<double> stated;
+    try {
+      stated = stated_radius(log);
+    } catch (const io::InputError&) {
+      continue;  // what the file states cannot be used, and --size replaces it
+    }
+    if (stated && std::abs(*stated - given) > kSame * given)
+      return fmt::format(
+          "{} states a radius of {} mm, --size says {} mm and counts: angles in um/m, pitches and feeds depend on it (leave --size out "
+          "where the file is right)",
+          log.source, report::short_number(*stated * 1e3), report::short_number(given * 1e3));
+  }
+  return {};
+}
+
 }  // namespace
 
 CircleRadius circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size) {
-  if (!size.empty()) return {option_si("--size", size, quantity("m", "mm").positive())};
+  if (!size.empty()) {
+    const double given = option_si("--size", size, quantity("m", "mm").positive());
+    return {given, note_on_stated_radii(logs, map, given)};
+  }
   std::optional<double> stated;
   const io::Log* first = nullptr;
   for (const io::Log& log : logs) {

@@ -41,7 +41,7 @@ CircleMap circle_map(const std::vector<std::string>& texts);
 /// One radius for all logs.
 struct CircleRadius {
   double value = 0.0;  ///< [m]
-  std::string note{};  ///< of one that was rounded
+  std::string note{};  ///< of one that was rounded, or is another than a file states
 };
 
 /// `size` is the text of --size; empty: what a ball-bar's file states, else that of the commanded circle in the first log, else that of
