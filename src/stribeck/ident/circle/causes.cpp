@@ -334,18 +334,19 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
                              crossing_of_play(out.causes, f.rows.radius, f.fit.windows));
   for (QuadrantPeak& p : out.peaks) add_width_of_fit(f, u, p);
   for (const int axis : {0, 1}) out.causes.push_back(spike_of(out.peaks, axis));
-  if (const auto vibration = find_vibration(motions, f.rows, f.design, f.fit)) {
+  const std::vector<Vibration> vibrations = find_vibrations(motions, f.rows, f.design, f.fit);
+  for (const Vibration& vibration : vibrations) {
     // Where the axis reverses, a vibration stands at any of its phases.
     for (Cause& spike : out.causes)
       spike.found = spike.found &&
-                    (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration->in_radius);
+                    (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration.in_radius);
     Cause c;
     c.kind = CauseKind::kVibration;
-    c.axis = vibration->axis;
-    c.size = vibration->amplitude;
-    c.half_width = vibration->half_width;
-    c.effect = 2.0 * vibration->amplitude;
-    c.figures.push_back({"frequency", vibration->frequency, vibration->frequency_half_width, "Hz"});
+    c.axis = vibration.axis;
+    c.size = vibration.amplitude;
+    c.half_width = vibration.half_width;
+    c.effect = 2.0 * vibration.amplitude;
+    c.figures.push_back({"frequency", vibration.frequency, vibration.frequency_half_width, "Hz"});
     out.causes.push_back(std::move(c));
   }
   rank(out.causes);

@@ -187,9 +187,10 @@ struct Vibration {
 };
 /// Whether there are times, and enough rows between the reversals to look for a vibration.
 bool tells_vibration(const std::vector<CircleMotion>& motions, double window);
-/// The strongest line of the rest over time between the reversals; absent: none, or no times.
-std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
-                                        const Design& design, const CauseFit& fit);
+/// Lines of the rest over time between the reversals, of the run with the strongest one, which is first; at most three. None: none stands
+/// out, or no times.
+std::vector<Vibration> find_vibrations(const std::vector<CircleMotion>& motions, const CauseRows& rows,
+                                       const Design& design, const CauseFit& fit);
 
 /// What these measurements cannot tell apart, and what the fit cannot hold.
 std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,

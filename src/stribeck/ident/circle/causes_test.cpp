@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/test_virtual_circle.hpp>
 #include <string>
@@ -227,7 +228,6 @@ TEST(Causes, AVibrationIsNoSpike) {
   EXPECT_EQ(found_in(diagnosis_of(m, {kFeed})), (std::vector<std::string>{"vibration"}));
 }
 
-// A quarter of this circle has 390 rows, and 78 at a fifth of the rate.
 // In the radius an axis that vibrates alone shows its amplitude where it points outwards, and none where it goes along the circle.
 TEST(Causes, AVibrationOfOneAxisHasItsNameAndAmplitude) {
   for (const int axis : {-1, 0, 1}) {
@@ -244,6 +244,24 @@ TEST(Causes, AVibrationOfOneAxisHasItsNameAndAmplitude) {
   }
 }
 
+// Only the stronger one was named.
+TEST(Causes, TwoVibrationsOfTwoAxes) {
+  std::mt19937_64 random(19);
+  VirtualMachine m;
+  m.vibration = 0.7e-6;
+  m.vibration_frequency = 18.0;
+  m.vibration_axis = 0;
+  VirtualRecord r = travel(m, kFeed, 2.2, random);
+  for (std::size_t i = 0; i < r.y.size(); ++i) r.y[i] += 0.5e-6 * std::sin(2.0 * kPi * 90.0 * r.t[i]);
+  const auto d = diagnose({r.motion(m.radius)});
+  ASSERT_TRUE(d);
+  EXPECT_EQ(found_in(*d), (std::vector<std::string>{"vibration x", "vibration y"}));
+  EXPECT_NEAR(cause_in(*d, CauseKind::kVibration, 0).size, 0.7e-6, 0.03e-6);
+  EXPECT_NEAR(cause_in(*d, CauseKind::kVibration, 1).size, 0.5e-6, 0.03e-6);
+  EXPECT_NEAR(cause_in(*d, CauseKind::kVibration, 1).figures[0].value, 90.0, 0.1);
+}
+
+// A quarter of this circle has 390 rows, and 78 at a fifth of the rate.
 TEST(Causes, AVibrationOnAShortQuarter) {
   VirtualMachine m;
   m.radius = 0.02;

@@ -127,65 +127,96 @@ void tell_axis(const CircleRun& run, const std::vector<std::size_t>& first, std:
   v.half_width = 1.96 * std::sqrt(rest / X.col(axis).squaredNorm()) / (2.0 * v.amplitude);
 }
 
-/// The strongest line of one run.
-std::optional<Vibration> vibration_of(const CircleRun& run, int log, double window,
-                                      const Explained& explained) {
+/// Squared amplitudes of the lines of the pieces of one run.
+struct Spectrum {
+  std::size_t segment = 0;
+  std::vector<std::size_t> first;            ///< row of each piece
+  std::vector<std::vector<double>> squares;  ///< of each piece
+  std::vector<double> mean;
+  double floor = 0.0;  ///< median of the lines that count
+};
+
+constexpr std::size_t kLowest = 5;  // slower lines belong to the form of the circle
+
+Spectrum spectrum_of(const CircleRun& run, int log, double window, const Explained& explained) {
   constexpr std::size_t kMostPieces = 48;
-  constexpr std::size_t kLowest = 5;  // slower lines belong to the form of the circle
-  // The largest of 250 lines of noise in a mean of eight pieces is three times the median; fewer pieces, more.
-  constexpr double kClear = 12.0;
+  Spectrum out;
   const auto [segment, all] = pieces(run, window);
-  if (all.empty()) return std::nullopt;
+  out.segment = segment;
   const std::size_t skip = (all.size() + kMostPieces - 1) / kMostPieces;
-  std::vector<std::vector<double>> squares;
-  std::vector<std::size_t> used;
   for (std::size_t k = 0; k < all.size(); k += skip) {
-    used.push_back(all[k]);
-    squares.push_back(lines_of(tapered(run, log, all[k], segment, explained)));
+    out.first.push_back(all[k]);
+    out.squares.push_back(lines_of(tapered(run, log, all[k], segment, explained)));
   }
-  std::vector<double> mean(segment / 2, 0.0);
-  for (const auto& one : squares) {
-    for (std::size_t line = 0; line < mean.size(); ++line)
-      mean[line] += one[line] / static_cast<double>(squares.size());
+  if (all.empty()) return out;
+  out.mean.assign(segment / 2, 0.0);
+  for (const auto& one : out.squares) {
+    for (std::size_t line = 0; line < out.mean.size(); ++line)
+      out.mean[line] += one[line] / static_cast<double>(out.squares.size());
   }
-  const std::vector<double> judged(mean.begin() + kLowest, mean.end());
-  const auto top = static_cast<std::size_t>(std::max_element(judged.begin(), judged.end()) - judged.begin());
-  const double floor = stats::median(judged);
-  if (!(judged[top] > kClear * floor) || top == 0) return std::nullopt;
-  const std::size_t line = top + kLowest;
+  out.floor = stats::median(std::vector<double>(out.mean.begin() + kLowest, out.mean.end()));
+  return out;
+}
+
+Vibration vibration_at(const CircleRun& run, const Spectrum& s, std::size_t line) {
   // A line between two places of the grid shows on both; Hann's window spreads it over neighbours, their sum holds 3/2 of it.
   const auto power = [&](const std::vector<double>& v) {
     double sum = 0.0;
     for (std::size_t k = line - 2; k <= std::min(line + 2, v.size() - 1); ++k)
-      sum += std::max(0.0, v[k] - floor);
+      sum += std::max(0.0, v[k] - s.floor);
     return sum / 1.5;
   };
   double scatter = 0.0;
-  const double middle = power(mean);
-  for (const auto& one : squares) scatter += (power(one) - middle) * (power(one) - middle);
-  const double pieces_used = static_cast<double>(squares.size());
+  const double middle = power(s.mean);
+  for (const auto& one : s.squares) scatter += (power(one) - middle) * (power(one) - middle);
+  const double pieces_used = static_cast<double>(s.squares.size());
   Vibration v;
   v.amplitude = v.in_radius = std::sqrt(middle);
   v.half_width = 1.96 * std::sqrt(scatter / (pieces_used * (pieces_used - 1.0))) / (2.0 * v.amplitude);
   // Between two lines Hann's window gives them amplitudes in the ratio (1 + δ)/(2 − δ), δ from the larger one.
   const auto between = [&](const std::vector<double>& of) {
     const bool above = line + 1 < of.size() && of[line + 1] > of[line - 1];
-    const double next = std::max(0.0, of[above ? line + 1 : line - 1] - floor);
-    const double ratio = std::sqrt(next / std::max(of[line] - floor, 1e-300));
+    const double next = std::max(0.0, of[above ? line + 1 : line - 1] - s.floor);
+    const double ratio = std::sqrt(next / std::max(of[line] - s.floor, 1e-300));
     const double offset = std::clamp((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0, 0.5);
     return above ? offset : -offset;
   };
-  const double per_line = static_cast<double>(run.time.size() - 1) / static_cast<double>(segment) /
+  const double per_line = static_cast<double>(run.time.size() - 1) / static_cast<double>(s.segment) /
                           (run.time.back() - run.time.front());
-  const double offset = between(mean);
+  const double offset = between(s.mean);
   double strays = 0.0;
-  for (const auto& one : squares) strays += (between(one) - offset) * (between(one) - offset);
+  for (const auto& one : s.squares) strays += (between(one) - offset) * (between(one) - offset);
   v.frequency = (static_cast<double>(line) + offset) * per_line;
   std::vector<double> powers;
-  for (const auto& one : squares) powers.push_back(power(one));
-  tell_axis(run, used, segment, powers, v);
+  for (const auto& one : s.squares) powers.push_back(power(one));
+  tell_axis(run, s.first, s.segment, powers, v);
   v.frequency_half_width = 1.96 * per_line * std::sqrt(strays / (pieces_used * (pieces_used - 1.0)));
   return v;
+}
+
+/// The lines of one run that stand out, the strongest first.
+std::vector<Vibration> vibrations_of(const CircleRun& run, int log, double window,
+                                     const Explained& explained) {
+  // The largest of 250 lines of noise in a mean of eight pieces is three times the median; fewer pieces, more.
+  constexpr double kClear = 12.0;
+  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kApart = 5;        // lines that belong to one vibration on either side
+  constexpr double kBesideAnother = 1e-3;  // of its square: the borders of Hann's window and of the pieces
+  const Spectrum s = spectrum_of(run, log, window, explained);
+  std::vector<Vibration> out;
+  if (s.squares.empty()) return out;
+  std::vector<double> left = s.mean;
+  std::fill(left.begin(), left.begin() + kLowest, 0.0);
+  double most = 0.0;
+  while (out.size() < kMost) {
+    const auto line = static_cast<std::size_t>(std::max_element(left.begin(), left.end()) - left.begin());
+    most = std::max(most, left[line]);
+    if (!(left[line] > kClear * s.floor) || left[line] < kBesideAnother * most || line == kLowest) break;
+    out.push_back(vibration_at(run, s, line));
+    for (std::size_t k = line - std::min(line, kApart); k <= std::min(line + kApart, left.size() - 1); ++k)
+      left[k] = 0.0;
+  }
+  return out;
 }
 
 }  // namespace
@@ -197,15 +228,16 @@ bool tells_vibration(const std::vector<CircleMotion>& motions, double window) {
   });
 }
 
-std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
-                                        const Design& design, const CauseFit& fit) {
+std::vector<Vibration> find_vibrations(const std::vector<CircleMotion>& motions, const CauseRows& rows,
+                                       const Design& design, const CauseFit& fit) {
   const Explained explained(rows, design, fit);
-  std::optional<Vibration> best;
+  std::vector<Vibration> best;
   int log = 0;
   for (const CircleMotion& m : motions) {
     for (const CircleRun& run : m.runs) {
-      const auto v = vibration_of(run, log, fit.window(), explained);
-      if (v && (!best || v->in_radius > best->in_radius)) best = v;
+      std::vector<Vibration> found = vibrations_of(run, log, fit.window(), explained);
+      if (!found.empty() && (best.empty() || found.front().in_radius > best.front().in_radius))
+        best = std::move(found);
     }
     ++log;
   }

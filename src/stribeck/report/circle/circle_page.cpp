@@ -115,9 +115,12 @@ struct Magnifier {
       if (p.counter_clockwise != counter_clockwise || std::abs(p.height) < kClear * p.half_width_95) continue;
       const double turn = counter_clockwise ? 1.0 : -1.0;
       const double angle = p.angle + turn * (p.delay + 0.18);
-      const double r = 1.36 + per_metre * std::fmax(p.height, 0.0);
-      plot.notes.push_back(
-          {r * std::cos(angle), r * std::sin(angle), with_sign(p.height * kMicro, 1), color});
+      // The numbers are centred on their place: within the picture, and beside the names of the axes.
+      constexpr double kFarthest = 1.5;
+      const double r = 1.16 + per_metre * std::fmax(p.height, 0.0);
+      plot.notes.push_back({std::clamp(r * std::cos(angle), -kFarthest, kFarthest),
+                            std::clamp(r * std::sin(angle), -kFarthest, kFarthest),
+                            with_sign(p.height * kMicro, 1) + " µm", color});
     }
   }
 };
@@ -176,7 +179,7 @@ std::string picture_words(const CircleReportInput& input, std::size_t c) {
       "Radial error magnified around the circle (thin line), all laps; outwards: radius too large. Dashed: {} µm to both sides. "
       "Good is a narrow ring without steps where an axis reverses (at {}+, {}+ and opposite); a step there is friction or play.{}",
       short_number(Magnifier(most).ring * kMicro), input.logs.front().axes[0], input.logs.front().axes[1],
-      input.logs.size() == 1 ? " Numbers: heights of the quadrant peaks [µm]." : "");
+      input.logs.size() == 1 ? " Numbers: heights of the quadrant peaks." : "");
 }
 
 /// All logs on one scale.
