@@ -275,12 +275,24 @@ MatrixXd Bread::inverse(const MatrixXd& map_inverse) const {
   return out;
 }
 
-/// What is known of the shift before, as if it were a row more.
-void add_prior(Index shift, double noise, Bread& bread, MatrixXd& meat) {
+/// What is known of the shift before, as if it were a row more. Beside it the size of the instruments matters, and that they explain
+/// only a part of the columns: the columns are replaced by what the instruments say of them, X̂ = Z·(ZᵀZ)⁻¹·ZᵀX, which changes nothing
+/// without that row.
+void add_prior(Index shift, double noise, Bread& bread, Scores& scores) {
+  const Index Q = shift + 1;
+  const MatrixXd to_columns =
+      bread.moments.topLeftCorner(Q, Q).transpose() * stats::pseudo_inverse(bread.white.topLeftCorner(Q, Q));
+  const auto transform_rows = [&](MatrixXd& m) { m.topRows(Q) = (to_columns * m.topRows(Q)).eval(); };
+  transform_rows(bread.moments);
+  transform_rows(scores.of_record);
+  for (MatrixXd* products : {&bread.white, &scores.long_run}) {
+    transform_rows(*products);
+    products->leftCols(Q) = (products->leftCols(Q) * to_columns.transpose()).eval();
+  }
   const double precision = noise / (kDelayDeviation * kDelayDeviation);
-  bread.moments(shift, shift) += std::copysign(precision, bread.moments(shift, shift));
+  bread.moments(shift, shift) += precision;
   bread.white(shift, shift) += precision;
-  meat(shift, shift) += noise * precision;
+  scores.long_run(shift, shift) += noise * precision;
 }
 
 }  // namespace
@@ -362,7 +374,7 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   const double noise = 2.0 * memory.rows * square / n;
   Bread bread = bread_of(fit, map, choice.joint.has_value());
   const auto shift = static_cast<Index>(out.linear) - 1;
-  if (nuisance) add_prior(shift, noise, bread, scores.long_run);
+  if (nuisance) add_prior(shift, noise, bread, scores);
   const MatrixXd inverse = bread.inverse(map_inverse);
   const double independent = n / (2.0 * memory.rows);
   const double freedom = std::max(3.0, independent - static_cast<double>(scores.long_run.rows()));
