@@ -61,7 +61,7 @@ struct shared {
 struct inner {
   struct supervisor watch;
   struct values values;
-  int by_position; /* the drive takes a position */
+  double resting; /* position [m] that a drive which takes positions was last given */
 };
 
 struct instance {
@@ -81,6 +81,7 @@ struct instance {
 
 static int component = -1;
 static struct parameters parameters;
+static int drive_mode = -1; /* number of drive_loop.mode among them; below 0: there is none */
 static struct instance* instances[MAX_INSTANCES];
 static int count;
 
@@ -141,7 +142,6 @@ static int configure(struct instance* s, double period) {
     struct values* v = &s->inner[a].values;
     values_taken(&parameters, v);
     for (uint32_t i = 0; i < parameters.count; ++i) {
-      if (strcmp(parameters.name[i], "drive_loop.mode") == 0) s->inner[a].by_position = same(v->used[i], 1.0);
       if (same(v->used[i], parameters.initial[i])) continue;
       if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
           STRIBECK_OK) {
@@ -274,11 +274,39 @@ static int fault_of(const struct instance* s, int a) {
   return (int)f;
 }
 
-/* `now` is null when the controller does not run. */
-static void write_command(const struct axis* x, const struct inputs* in, double measured,
-                          const stribeck_axis_signals* now, int by_position) {
-  const double rest = by_position && isfinite(measured) ? measured : 0.0;
-  *x->command = (now != NULL ? now->command : rest) / in->unit;
+/* Whether a sample of the encoder may become the command of a drive that takes a position. One of which a fault says that it is wrong must
+ * not, as long as the drive is enabled: it would go there. */
+static int may_follow(const struct supervisor* w, const struct inputs* in, int a) {
+  const double measured = in->axis[a].measured;
+  if (!isfinite(measured)) return 0;
+  if (in->enable && (w->fault == FAULT_FEEDBACK_NOT_FINITE || w->fault == FAULT_FEEDBACK_JUMPED ||
+                     w->fault == FAULT_FEEDBACK_FROZEN))
+    return 0;
+  return !w->seen || fabs(measured - w->last) <= in->limits[a].jump;
+}
+
+/* Whether the drive takes a position. While it is off what HAL says now counts: the controller may not have been configured yet. */
+static int takes_position(const struct inner* own) {
+  if (drive_mode < 0) return 0;
+  const struct values* v = &own->values;
+  return same(own->watch.mode == MODE_OFF ? v->value[drive_mode] : v->used[drive_mode], 1.0);
+}
+
+/* `now` is null when the controller does not run: a drive that takes a position is then told where the axis is. Before
+ * supervisor_advance(), which takes the sample over. */
+static void write_command(struct instance* s, int a, const struct inputs* in,
+                          const stribeck_axis_signals* now) {
+  struct inner* own = &s->inner[a];
+  double command = 0.0;
+  if (now != NULL) {
+    command = now->command;
+    own->resting = command;
+  } else if (takes_position(own)) {
+    if (may_follow(&own->watch, in, a)) own->resting = in->axis[a].measured;
+    command = own->resting;
+  }
+  const struct axis* x = &s->hal->axis[a];
+  *x->command = command / in->unit;
   *x->offset = now != NULL ? now->offset : 0.0;
 }
 
@@ -303,8 +331,7 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
     struct supervisor* w = &s->inner[a].watch;
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
-    write_command(&s->hal->axis[a], in, in->axis[a].measured, runs && w->mode == MODE_RUNNING ? &now : NULL,
-                  s->inner[a].by_position);
+    write_command(s, a, in, runs && w->mode == MODE_RUNNING ? &now : NULL);
     const double force = supervisor_force(w, &in->limits[a], wanted[a]);
     supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
     write_axis(s, a, in, force, &now);
@@ -445,6 +472,9 @@ static int load(void) {
     return -EINVAL;
   }
   find_parameters(&parameters, stribeck_controller_parameter);
+  for (uint32_t i = 0; i < parameters.count; ++i) {
+    if (strcmp(parameters.name[i], "drive_loop.mode") == 0) drive_mode = (int)i;
+  }
   const int n = count_names(COMPONENT, names, &parameters, LEAST_AXES > 1 ? 2 : 0); /* ct.0 */
   if (n < 0) return -EINVAL;
   component = hal_init(COMPONENT);

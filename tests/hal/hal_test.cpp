@@ -351,6 +351,32 @@ TEST_F(Loop, NanOnTheEncoder) {
   expect_ramp_and_latch(1);
 }
 
+// A drive that takes a position goes where it is told: of an encoder that has failed it was told 0, or the wild sample itself.
+TEST_F(Loop, ADriveThatTakesPositionsIsNotSentToABadSample) {
+  value("ax.x.drive-loop.mode") = 1.0;
+  value("ax.x.drive-loop.gain") = 1e5;
+  value("ax.x.drive-loop.position-gain") = 50.0;
+  value("ax.x.drive-loop.velocity-feedforward") = 1.0;
+  const auto sample = [&](double encoder) {
+    value("ax.x.pos-cmd") = 350.0;
+    for (const char* pin : {"ax.x.vel-cmd", "ax.x.acc-cmd"}) value(pin) = 0.0;
+    value("ax.x.pos-fb") = encoder;
+    call("ax.x");
+    return value("ax.x.command");
+  };
+  for (const double bad : {kNan, 850.0, -std::numeric_limits<double>::infinity()}) {
+    enable(false);
+    EXPECT_NEAR(sample(350.0), 350.0, 1e-9) << "told where it is while it is off";
+    enable(true);
+    for (int k = 0; k < 20; ++k) EXPECT_NEAR(sample(350.0), 350.0, 0.01);
+    for (int k = 0; k < 5; ++k) EXPECT_NEAR(sample(bad), 350.0, 0.01) << bad << ' ' << k;
+    EXPECT_EQ(fault("ax.x"), bad > 0.0 ? 3 : 1) << hal_.messages;
+  }
+  enable(false);
+  sample(350.0);
+  EXPECT_NEAR(sample(351.0 - 0.9), 350.1, 1e-9) << "moved by hand";
+}
+
 TEST_F(Loop, NanOnTheCommand) {
   enable(true);
   run(700);
