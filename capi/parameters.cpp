@@ -197,12 +197,14 @@ stribeck_result assign_scalar(Target target, const Quantity& quantity, double x)
 
 stribeck_result assign_optional(Target target, const Quantity& quantity, std::string_view rest,
                                 double x) noexcept {
-  if (std::isnan(x)) {
-    target.resize(0);
-    return STRIBECK_OK;
-  }
   const bool was_absent = target.size() == 0;
   if (was_absent) target.resize(1);
+  // NaN takes the whole away, by any name that is in it.
+  if (std::isnan(x)) {
+    const bool known = rest.empty() || assign(target[0], quantity, rest, x) != STRIBECK_UNKNOWN_NAME;
+    if (known || was_absent) target.resize(0);
+    return known ? STRIBECK_OK : STRIBECK_UNKNOWN_NAME;
+  }
   const stribeck_result result = assign(target[0], quantity, rest, x);
   if (result != STRIBECK_OK && was_absent) target.resize(0);
   return result;

@@ -74,7 +74,7 @@ template <std::size_t N>
   if (c.watch.fault == control::Fault::kNone) {
     c.drives.command(c.commands, law, r, measured, force);
   } else {
-    c.drives.stop(c.commands, force, c.supervisor.limits(0).stop_periods);
+    c.drives.stop(c.commands, r, measured, force, c.supervisor.limits(0).stop_periods);
   }
 }
 

@@ -89,6 +89,16 @@ class DriveCommand {
     s.command = s.position + s.lead;
   }
 
+  /// Before the first step: a drive that takes a position is told where the axis is, or where it is to be; 0 would be a place too.
+  void wait(State& s, double measured, double reference) const noexcept {
+    if (s.started || loop_.mode != friction::DriveMode::kPosition) return;
+    if (isfinite(measured)) {
+      s.command = measured;
+    } else if (isfinite(reference)) {
+      s.command = reference;
+    }
+  }
+
   /// One period of a stop that takes `periods` in all.
   void stop(State& s, int periods) const noexcept {
     if (s.left < 0) s.left = periods;
@@ -144,14 +154,19 @@ class DriveInterface {
       }
       const DriveCommand::Start start{measured[i], r.velocity[i], r.acceleration[i]};
       const double a = (force[i] - law.compensation[i].balance) / mass_[i];
-      if (isfinite(start.position + start.velocity + start.acceleration + a))
+      if (isfinite(start.position + start.velocity + start.acceleration + a)) {
         axes_[i].step(s[i], force[i], a, start);
+      } else {
+        axes_[i].wait(s[i], measured[i], r.position[i]);
+      }
     }
   }
   /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N].
-  void stop(State& s, const V& force, int periods) const noexcept {
+  void stop(State& s, const path::PathPoint<N>& r, const V& measured, const V& force,
+            int periods) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (present_[i]) {
+        axes_[i].wait(s[i], measured[i], r.position[i]);
         axes_[i].stop(s[i], periods);
       } else {
         s[i].command = force[i];

@@ -123,7 +123,11 @@ class Compensation {
   void observe(State& s, double position, double velocity, bool bridged = false,
                bool doubtful = false) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
-    if (bridged) {
+    if (!s.started) {
+      // An axis may be in motion when the controller takes it over: a speed from nothing would be a force of mass times speed.
+      s.disturbance.velocity = s.adaptive.velocity = velocity;
+      s.kalman = {{{position, velocity, 0.0}}, true};
+    } else if (bridged) {
       carry_on(s, net, velocity);
     } else if (params_.observer == Observer::kDisturbance) {
       s.estimate = observer_.step(s.disturbance, net, velocity);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stribeck/control/compensation/test_followed.hpp>
 
@@ -37,6 +38,31 @@ TEST(Compensation, AJerkGoesOnAndAStepOfAccelerationDoesNot) {
   // Velocities that do not fit ask for nothing beyond the change of the acceleration.
   EXPECT_NEAR(of({{0.0, 0.0}, {1.0, 2.0}}), 250.0 * 3.0, 1e-9);
   EXPECT_NEAR(of({{0.0, 0.0}, {-1.0, 2.0}}), 500.0, 1e-9);
+}
+
+// An axis that the controller takes over while it moves, without friction and on its reference: the observers began at rest, and m·v
+// became a force of 700 to 2600 N.
+TEST(Compensation, BegunInMotionTheObserversAddNothing) {
+  for (const Observer observer : {Observer::kDisturbance, Observer::kKalman, Observer::kAdaptive}) {
+    CompensationParams p;
+    p.model.mass = 1000.0;
+    p.observer = observer;
+    p.observer_pole = 50.0;
+    p.adaptive_gain = 20.0;
+    const Compensation law(p, kPeriod);
+    Compensation::State s;
+    StatusCounter status;
+    double most = 0.0;
+    constexpr double kSpeed = 0.1;
+    for (int k = 0; k < 500; ++k) {
+      const double x = kSpeed * kPeriod * k;
+      law.observe(s, x, kSpeed);
+      const double force = law.step(s, x, kSpeed, 0.0, status);
+      law.applied(s, force, false, status);
+      most = std::max(most, std::abs(force));
+    }
+    EXPECT_LT(most, 1e-6) << static_cast<int>(observer);
+  }
 }
 
 TEST(DynamicCompensation, LeavesAHundredthOfWhatTheSteadyMapLeaves) {

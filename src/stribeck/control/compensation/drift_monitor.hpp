@@ -123,6 +123,7 @@ class DriftMonitor {
     if (s.moved > kSlow) d.trend = (s.fast - s.slow) / (kSlow - kFast);
     if (!a.informed || d.level_deviation > kUnsure) return d;
     const double watch = max_of(kWatch, kSure * d.level_deviation);
+    const double act = max_of(kAct, kSure * d.level_deviation);
     const bool shape = d.level * d.viscous < 0.0 && abs(d.level) > kLikely * d.level_deviation &&
                        abs(d.viscous) > max_of(kViscous, kLikely * d.viscous_deviation);
     const bool delay = abs(d.delay) > max_of(period, kSure * d.delay_deviation);
@@ -131,9 +132,9 @@ class DriftMonitor {
     const bool falling = d.trend * kSlow < -max_of(kWarming, kSure * d.level_deviation);
     d.verdict = falling                    ? DriftVerdict::kWarmingUp
                 : shape                    ? DriftVerdict::kAnotherShape
-                : d.level > kAct           ? DriftVerdict::kMuchMore
+                : d.level > act            ? DriftVerdict::kMuchMore
                 : d.level > watch          ? DriftVerdict::kMore
-                : d.level < -kAct          ? DriftVerdict::kMuchLess
+                : d.level < -act           ? DriftVerdict::kMuchLess
                 : d.level < -watch         ? DriftVerdict::kLess
                 : delay                    ? DriftVerdict::kAnotherDelay
                 : viscous && d.viscous > 0 ? DriftVerdict::kMoreViscous

@@ -51,6 +51,9 @@ TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
   EXPECT_EQ(verdict({{A::kPositive, -0.17}, {A::kNegative, -0.17}}, 0.11), DriftVerdict::kAsCommissioned);
   EXPECT_EQ(verdict({{A::kPositive, -0.24}, {A::kNegative, -0.24}}, 0.11), DriftVerdict::kLess);
   EXPECT_EQ(verdict({{A::kPositive, 0.13}, {A::kNegative, 0.13}}, 0.11), DriftVerdict::kAsCommissioned);
+  // A quarter of the level is much only where it is beyond them too.
+  EXPECT_EQ(verdict({{A::kPositive, 0.26}, {A::kNegative, 0.26}}, 0.125), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, -0.26}, {A::kNegative, -0.26}}, 0.125), DriftVerdict::kAsCommissioned);
   EXPECT_EQ(verdict({{A::kViscous, 0.3}}, 0.03), DriftVerdict::kMoreViscous);
   EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.03), DriftVerdict::kLessViscous);
   EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.11), DriftVerdict::kAsCommissioned);

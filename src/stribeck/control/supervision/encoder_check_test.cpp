@@ -37,6 +37,24 @@ struct Sine {
   }
 };
 
+// Both in one period: the prediction was no number from then on, and every good sample counted as lost.
+TEST(EncoderCheck, NoNumberFromEncoderAndReferenceInOnePeriodIsForgotten) {
+  const SupervisionLimits l = limits();
+  for (const int apart : {0, 1}) {
+    EncoderCheck::State s;
+    Sine sine;
+    for (int k = 0; k < 200; ++k, sine.t += sine.dt) {
+      const double r = k == 100 ? kNan : sine.r();
+      const double sample = k == 100 + apart ? kNan : sine.read();
+      const double used = EncoderCheck::step(s, l, sample, r, sine.v(), sine.a());
+      EXPECT_NEAR(used, sine.r() + 3e-6, 2e-6) << k;
+      EXPECT_EQ(EncoderCheck::judge(s, l), Fault::kNone) << k;
+    }
+    EXPECT_LE(s.bridged, 2U);
+    EXPECT_EQ(s.in_a_row, 0);
+  }
+}
+
 TEST(SupervisionLimits, FollowFromTheAxis) {
   const SupervisionLimits l = limits();
   EXPECT_DOUBLE_EQ(l.growth, (250.0 + 20.0) / 1000.0 * 1e-6);
