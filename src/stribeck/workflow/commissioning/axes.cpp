@@ -100,22 +100,24 @@ void narrow(RunningMachine& machine, RunningAxes& all, RunningAxis& axis) {
   const std::string joint = fmt::format("JOINT_{}", axis.joint);
   const std::string letter = fmt::format("AXIS_{}", axis.letter);
   std::vector<std::string> wider;
-  const auto limit = [&](const std::string& section, const char* key, double& own, double sign,
-                         const char* name, const char* unit) {
+  const sim::AxisLimits described = axis.limits;
+  const auto limit = [&](const std::string& section, const char* key, double sim::AxisLimits::*which,
+                         double sign, const char* name, const char* unit) {
     const std::optional<double> given = number_in(machine, section, key);
     if (!given) return;
     const double value = *given * all.unit;
-    if (sign * (value - own) > kRounding)
+    double& own = axis.limits.*which;
+    if (sign * (value - described.*which) > kRounding)
       wider.push_back(fmt::format("[{}]{} is {} {}, {} of the machine file {} {}", section, key,
                                   report::significant(1e3 * value, 5), unit, name,
-                                  report::significant(1e3 * own, 5), unit));
+                                  report::significant(1e3 * described.*which, 5), unit));
     if (sign * (own - value) > 0.0) own = value;
   };
   for (const std::string& section : {joint, letter}) {
-    limit(section, "MIN_LIMIT", axis.limits.travel_min, -1.0, "travel_min", "mm");
-    limit(section, "MAX_LIMIT", axis.limits.travel_max, 1.0, "travel_max", "mm");
-    limit(section, "MAX_VELOCITY", axis.limits.speed, 1.0, "speed", "mm/s");
-    limit(section, "MAX_ACCELERATION", axis.limits.acceleration, 1.0, "acceleration", "mm/s2");
+    limit(section, "MIN_LIMIT", &sim::AxisLimits::travel_min, -1.0, "travel_min", "mm");
+    limit(section, "MAX_LIMIT", &sim::AxisLimits::travel_max, 1.0, "travel_max", "mm");
+    limit(section, "MAX_VELOCITY", &sim::AxisLimits::speed, 1.0, "speed", "mm/s");
+    limit(section, "MAX_ACCELERATION", &sim::AxisLimits::acceleration, 1.0, "acceleration", "mm/s2");
   }
   if (!wider.empty())
     throw Stopped(fmt::format(

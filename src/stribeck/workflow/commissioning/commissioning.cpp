@@ -59,11 +59,19 @@ StageDone run_stage(const Stage& stage, Work work, StageFolder& folders) {
   return {stage.name, false, work.says};
 }
 
+/// Values that a stage had changed for a while, as a lower limit of the force: while they are given back the machine is off, because what
+/// they protected from may not have been proven.
+void give_back(RunningMachine& machine, const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) machine.switch_off();
+  ChangedValues(machine, file).give_back();
+}
+
 void give_back_quietly(RunningMachine& machine, const std::string& file) {
   try {
     machine.stop();
     machine.end_record();
-    ChangedValues(machine, file).give_back();
+    give_back(machine, file);
   } catch (const MachineError&) {
     // It does not answer any more; the next command gives them back.
   }
@@ -85,7 +93,7 @@ Outcome run(RunningMachine& machine, const Options& options, const Dialogue& dia
   const MachineDescription description = read_description(options.machine);
   io::make_directory(options.output);
   StageFolder folders(options.output, stage_names(), inputs_of_stages(options));
-  ChangedValues(machine, folders.path(kForAWhile)).give_back();
+  give_back(machine, folders.path(kForAWhile));
   take_models_out(machine, options, folders);
   const RunningAxes axes = find_axes(machine, description, options.axis);
   static_cast<void>(machine.state());  // messages of the past

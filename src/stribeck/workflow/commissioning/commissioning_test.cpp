@@ -104,6 +104,30 @@ TEST(Commissioning, ValuesOfACommandThatWasKilledAreGivenBack) {
   EXPECT_EQ(s.machine.values["ax.x.omega"], "300") << "somebody else has set it since";
 }
 
+// The full force was given back to a loop that was closed with a sign nobody had proven.
+TEST(Commissioning, TheFullForceIsGivenBackToAMachineThatIsOff) {
+  Session s;
+  const auto before = s.machine.values;
+  s.machine.broken_record = true;
+  EXPECT_THROW(s.go(), std::exception);
+  EXPECT_EQ(s.machine.values, before);
+  EXPECT_FALSE(s.machine.on);
+}
+
+// The joint was narrower than the machine file, and the axis was compared with the joint.
+TEST(Commissioning, AJointMayBeNarrowerThanItsAxis) {
+  Session s;
+  s.machine.keys["JOINT_0 MAX_VELOCITY"] = {"50"};
+  s.machine.keys["AXIS_X MAX_VELOCITY"] = {"100"};
+  EXPECT_EQ(s.stops(), "");
+  s.machine.keys["AXIS_X MAX_VELOCITY"] = {"101"};
+  s.options.output = s.folder / "another";
+  const std::string why = s.stops();
+  EXPECT_NE(why.find("[AXIS_X]MAX_VELOCITY is 101.00 mm/s, speed of the machine file 100.00 mm/s"),
+            std::string::npos)
+      << why;
+}
+
 TEST(Commissioning, AnAxisThatDoesNotMoveIsSaid) {
   Session s;
   s.machine.stiffness = 2e9;

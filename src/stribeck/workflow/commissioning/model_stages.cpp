@@ -164,12 +164,17 @@ io::Json circle_after(Work& work) {
   changed.set(setp_lines(lines));
   try {
     return judge_models(work, plan);
-  } catch (const Stopped&) {
-    work.machine.stop();
-    work.machine.end_record();
-    work.machine.switch_off();
-    changed.give_back();
-    work.dialogue.say("The models are taken out again; the machine is off.");
+  } catch (...) {
+    // Whatever went wrong, the machine must not go on with models that were not judged.
+    try {
+      work.machine.stop();
+      work.machine.end_record();
+      work.machine.switch_off();
+      changed.give_back();
+      work.dialogue.say("The models are taken out again; the machine is off.");
+    } catch (const MachineError&) {
+      // It does not answer any more; the next command takes them out.
+    }
     throw;
   }
 }

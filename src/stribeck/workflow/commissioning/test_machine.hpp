@@ -37,6 +37,7 @@ class FakeMachine final : public RunningMachine {
       {"ax.x.adaptation.enabled", "0"}, {"ax.x.drive-loop.mode", "nan"}, {"ax.x.omega", "300"}};
   bool on = false;
   bool is_homed = true;
+  bool broken_record = false;  ///< rows of its records are no numbers
 
   MachineState state() override {
     MachineState s;
@@ -147,6 +148,7 @@ class FakeMachine final : public RunningMachine {
       on = false;
       fault_value = "5";
     }
+    if (record_ != nullptr && broken_record) std::fputs("1 2 wild\n", record_);
     if (record_ != nullptr) std::fprintf(record_, "%f %f %f\n", 1e3 * command_, 1e3 * sign * table_, force_);
   }
 
