@@ -18,8 +18,8 @@ namespace stribeck::targets {
 
 namespace {
 
-using workflow::option_si;
 using workflow::refuse_option;
+using workflow::travel_si;
 
 constexpr std::size_t kCells = 1024;
 constexpr double kLargestCell = 127.0;
@@ -212,7 +212,7 @@ std::string moteus_lacks(const ExportRequest& o) {
 
 MoteusText moteus_text(const ExportRequest& o) {
   const Axis axis = moteus_axis(o);
-  const double zero = o.zero.empty() ? 0.0 : option_si("--zero", o.zero, quantity("m", "mm"));
+  const double zero = o.zero.empty() ? 0.0 : travel_si("--zero", o.zero, quantity("m", "mm"), axis.rotary);
   if (std::abs(zero) > kLargestZero)
     refuse_option("--zero", fmt::format("got {}, expected at most 1 km", o.zero));
   const Terms terms = terms_of_the_turn(axis);

@@ -23,6 +23,7 @@ namespace stribeck::targets::linuxcnc {
 
 using workflow::option_si;
 using workflow::refuse_option;
+using workflow::travel_si;
 
 namespace {
 
@@ -62,7 +63,8 @@ std::vector<std::string> letters_for(const ExportRequest& o) {
 
 /// Largest speed of the table [m/s].
 double table_speed(const ExportRequest& o, const std::string& file, const sim::AxisFile& axis) {
-  if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+  if (!o.speed.empty())
+    return travel_si("--speed", o.speed, quantity("m/s", "mm/s").positive(), axis.rotary.value_or(false));
   const std::optional<double> identified = axis.identified_speed();
   if (!identified)
     refuse_option("--speed",

@@ -33,8 +33,10 @@ std::string about(const Configuration& c) {
       "drives.hal            the virtual drives; left out on a real machine\n"
       "demo.ngc              a small program within the travel\n"
       "identify.ngc          motion from whose log axis files are made, for each axis:\n"
-      "                      stribeck identify run.log --map r=x-cmd --map x=x-fb --map force=x-force -o "
-      "x.toml\n"
+      "                      stribeck identify run.log ";
+  if (records_command(c)) out += "--map r=x-cmd ";
+  out +=
+      "--map x=x-fb --map force=x-force -o x.toml\n"
       "play.py               what headless.ini has for a screen\n"
       "tool.tbl              LinuxCNC's tool table, empty\n"
       "written.txt           by which export knows files that were edited since; it does not write over "

@@ -35,6 +35,8 @@ std::string axis_control(const Configuration& c);
 std::string contour_control(const Configuration& c);
 std::string pid_control(const Configuration& c, bool with_lincurve);
 std::string record(const Configuration& c);
+/// Whether the set-points are among the signals that it records: there is no room for those of many axes.
+bool records_command(const Configuration& c);
 std::string record_names(const Configuration& c);
 std::string drives(const Configuration& c);
 std::string demo(const Configuration& c);

@@ -30,7 +30,7 @@ double room_of(const HalAxis& a) {
 
 /// Coordinate of an axis in a program.
 std::string word(const HalAxis& a, double metres) {
-  return fmt::format("{}{:.4g}", capital(a), std::round(1e4 * in_units(a, metres)) / 1e4 + 0.0);
+  return fmt::format("{}{:.10g}", capital(a), std::round(1e4 * in_units(a, metres)) / 1e4 + 0.0);
 }
 
 /// Feed [machine units/min], rounded to a readable number.

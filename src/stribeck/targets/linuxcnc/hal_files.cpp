@@ -210,6 +210,8 @@ std::vector<std::string> recorded_signals(const Configuration& c) {
 
 }  // namespace
 
+bool records_command(const Configuration& c) { return recorded_signals(c).front() == "cmd"; }
+
 std::string record(const Configuration& c) {
   const std::vector<std::string> signals = recorded_signals(c);
   std::string out = c.comment;

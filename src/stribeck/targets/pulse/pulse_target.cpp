@@ -181,6 +181,7 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   if (!o.zero.empty()) refuse("--zero");
   PulseTask t;
   t.names = axis_names(axis_name, o);
+  t.numbers = axis_numbers(axes_in_files(o));
   std::vector<sim::AxisFile> files;
   for (const std::string& file : o.files) {
     files.push_back(axis_file(file));
@@ -301,8 +302,13 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
 
 PulseTask with_gains_of(PulseTask t, std::size_t axis) {
   auto& law = std::get<control::CascadeParams>(t.loop.law);
-  for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time})
-    *list = {control::spread<control::kMostAxes>(*list, 0.0)[axis]};
+  const std::size_t number = t.numbers[axis];
+  const auto rank = static_cast<std::size_t>(
+      std::count_if(t.numbers.begin(), t.numbers.end(), [&](std::size_t other) { return other < number; }));
+  for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time}) {
+    const std::size_t at = list->size() > t.numbers.size() ? number : rank;
+    *list = {control::spread<control::kMostAxes>(*list, 0.0)[std::min(at, control::kMostAxes - 1)]};
+  }
   return t;
 }
 

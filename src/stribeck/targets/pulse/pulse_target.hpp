@@ -19,6 +19,7 @@ inline constexpr double kMmPerMinute = 1e-3 / 60.0;  ///< [m/s]
 struct PulseTask {
   std::vector<std::string> names;  ///< of the axes in the control
   std::vector<friction::AxisModel> axes;
+  std::vector<std::size_t> numbers;  ///< of the axes, by their names in the files: axis_numbers()
   sim::ControllerSpec loop;
   double period = 0.0;
   double radius = 0.0;
@@ -32,7 +33,8 @@ using AxisNamer = std::string (*)(std::size_t axis);
 
 /// From the options of an export; the namer is asked unless the user gives names.
 PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportRequest& request);
-/// The task with the gains of one axis for all: its pulse is sought on a circle of two such axes.
+/// The task with the gains of one axis for all: its pulse is sought on a circle of two such axes. A controller file lists gains by the
+/// axes of the machine: as many as there are axis files are taken in the order of the axes, more of them by the number of the axis.
 PulseTask with_gains_of(PulseTask task, std::size_t axis);
 
 /// The user's circle, its errors without compensation and with the whole model, and where it is driven.

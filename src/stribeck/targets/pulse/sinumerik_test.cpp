@@ -6,11 +6,13 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/targets/pulse/circle.hpp>
+#include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/pulse/sinumerik.hpp>
 #include <stribeck/targets/pulse/test_export.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <string>
+#include <variant>
 
 namespace stribeck::test::sinumerik_test {
 namespace {
@@ -58,6 +60,26 @@ TEST(Sinumerik, TheFitFindsACharacteristicThatHasTheForm) {
     EXPECT_NEAR(found.amplitude(p.acceleration), p.amplitude, 2.0 * kMmPerMin) << p.acceleration;
   // Beyond what was tried nothing grows.
   EXPECT_DOUBLE_EQ(found.amplitude(1.0), found.amplitude(points.back().acceleration));
+}
+
+// A controller file lists gains by the axes of the machine: y alone had those of x.
+TEST(Sinumerik, EachAxisHasItsOwnGains) {
+  targets::PulseTask t;
+  control::CascadeParams law;
+  law.position_gain = {20.0, 60.0};
+  law.velocity_gain = {100.0};
+  t.loop.law = law;
+  const auto gain = [&](std::size_t axis) {
+    return std::get<control::CascadeParams>(targets::with_gains_of(t, axis).loop.law).position_gain[0];
+  };
+  t.numbers = {1};
+  EXPECT_EQ(gain(0), 60.0);
+  t.numbers = {1, 0};
+  EXPECT_EQ(gain(0), 60.0);
+  EXPECT_EQ(gain(1), 20.0);
+  t.numbers = {1, 2};  // y and z of a machine that has no x
+  EXPECT_EQ(gain(0), 20.0);
+  EXPECT_EQ(gain(1), 60.0);
 }
 
 // With τ = T_n a pulse is a step of force m·K_p·A: the integral takes over what the pulse gives away.

@@ -112,11 +112,15 @@ Form keba(const Axis& axis) {
 
 Form mitsubishi(const Axis& axis) {
   // The standard setting is twice the friction torque; the step at the reversal is from −F to F.
-  const Levels l = levels_of(axis, 1.0, false);
+  Levels l = levels_of(axis, 0.5, false);
+  // SV041 = 0 means the value of SV016.
+  if (l.negative == 0.0 && l.positive != 0.0) l.negative = 0.5;
   Form form;
   form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = {:.0f}\n", 2.0 * l.positive,
                           l.positive == l.negative ? 0.0 : 2.0 * l.negative);
-  form.held = l.held;
+  form.held = [l, unit = axis.gain](double v) {
+    return signed_force(unit * (v < 0.0 ? l.negative : l.positive), v);
+  };
   form.to_do = fmt::format(
       "Servo parameters, lost-motion compensation type 2; SV016 counts {} of the stall current, twice the friction that does not grow with "
       "the speed. Check first with "

@@ -13,8 +13,7 @@ constexpr int kRows = 1000;
 Form write_csv(const Axis& axis) {
   Form form;
   form.mass = form.load = true;
-  form.text = fmt::format("# mass: {:.9g} kg\n# load: {:.9g} N\naxis,velocity [mm/s],friction [N]\n",
-                          axis.model.mass, axis.model.load);
+  form.text = fmt::format("# mass: {:.9g} kg\n# load: {:.9g} N\n", axis.model.mass, axis.model.load);
   const auto row = [&](double v) {
     form.text += fmt::format("{},{:.9g},{:.9g}\n", axis.name, 1e3 * v, axis.friction(v));
   };
@@ -42,6 +41,10 @@ Form write_csv(const Axis& axis) {
 }  // namespace
 
 extern const SteadyTarget kCsv;
-const SteadyTarget kCsv{"csv", "friction over velocity as a table", "#", SteadyNeeds::kNothing, write_csv};
+const SteadyTarget kCsv{.name = "csv",
+                        .what = "friction over velocity as a table",
+                        .comment = "#",
+                        .write = write_csv,
+                        .begin = "axis,velocity [mm/s],friction [N]\n"};
 
 }  // namespace stribeck::targets

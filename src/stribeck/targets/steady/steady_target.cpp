@@ -113,7 +113,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
                                       quantity("m", "mm").positive(), a.rotary);
   a.resolution = o.resolution.empty()
                      ? kUnknown
-                     : option_si("--resolution", o.resolution, quantity("m", "um").positive());
+                     : travel_si("--resolution", o.resolution, quantity("m", "um").positive(), a.rotary);
   return a;
 }
 
@@ -327,7 +327,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   SteadyText w;
   w.words = word_of_names(o, names);
   w.json = nlohmann::ordered_json::array();
-  std::string to_do;
+  std::vector<std::string> to_do;
   std::vector<Axis> axes;
   const std::optional<PulseTask> task =
       target.build_up == nullptr ? std::nullopt : circle_task(target.name, o);
@@ -359,7 +359,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     w.text += form.text;
     w.tables.push_back({form.held});
     w.words += fmt::format("{}: {}.\n", axis.name, words) + word_of_gain(target, axis);
-    to_do = form.to_do;
+    if (std::find(to_do.begin(), to_do.end(), form.to_do) == to_do.end()) to_do.push_back(form.to_do);
     w.json.push_back(
         {{"name", axis.name},
          {"file", axis.file},
@@ -389,7 +389,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     w.words += circle_words(*task, c, "this table", with);
     w.circle = circle_json(*task, c, with);
   }
-  w.words += to_do + "\n";
+  for (const std::string& words : to_do) w.words += words + "\n";
   return w;
 }
 
