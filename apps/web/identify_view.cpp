@@ -6,6 +6,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/sha256.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 #include <stribeck/workflow/inspect.hpp>
@@ -55,9 +56,9 @@ io::Log read(const Upload& upload, const workflow::LogOptions& options) {
 /// The command that does the same with the user's own files.
 std::string command_of(const IdentifyRequest& r, const std::vector<report::InputFile>& logs) {
   std::string words = "stribeck identify";
-  for (const report::InputFile& log : logs) words += fmt::format(" \"{}\"", log.file);
+  for (const report::InputFile& log : logs) words += " " + report::shell_quoted(log.file);
   const auto add = [&](const char* option, const std::string& value) {
-    if (!value.empty()) words += fmt::format(" {} \"{}\"", option, value);
+    if (!value.empty()) words += fmt::format(" {} {}", option, report::shell_quoted(value));
   };
   add("--axis", r.axis);
   for (const std::string& m : r.maps) add("--map", m);

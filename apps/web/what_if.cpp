@@ -9,6 +9,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/path/curve.hpp>
+#include <stribeck/report/shell_words.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/study/factors.hpp>
@@ -124,9 +125,10 @@ sim::Machine changed(const sim::Machine& nominal, const WhatIfRequest& r) {
 std::string command_of(const WhatIfRequest& r, const workflow::ComparisonOptions& o,
                        const std::string& travel_speed) {
   if (!r.changes.empty() || !r.sample_time.empty()) return {};
-  std::string words = "stribeck compare " + o.machine + " --trials 1 --experiment " + o.experiment;
+  std::string words =
+      "stribeck compare " + report::shell_quoted(o.machine) + " --trials 1 --experiment " + o.experiment;
   const auto add = [&](const char* option, const std::string& value) {
-    if (!value.empty()) words += fmt::format(" {} \"{}\"", option, value);
+    if (!value.empty()) words += fmt::format(" {} {}", option, report::shell_quoted(value));
   };
   if (o.experiment == workflow::kVaried || o.experiment == workflow::kOwn) {
     words += " --laps 1";
@@ -137,7 +139,7 @@ std::string command_of(const WhatIfRequest& r, const workflow::ComparisonOptions
     add("--omega-n", o.path.omega_n);
     add("--observer-pole", r.observer_pole);
   }
-  for (const std::string& c : o.controllers) words += " --controller " + c;
+  for (const std::string& c : o.controllers) words += " --controller " + report::shell_quoted(c);
   words += " --only ";
   for (std::size_t i = 0; i < o.only.size(); ++i) words += (i > 0 ? "," : "") + o.only[i];
   if (o.parameters.source != "identified") words += " --parameters " + o.parameters.source;

@@ -76,12 +76,15 @@ Json LiveView::start(const LiveRequest& r, const WhatIf::IsOld& is_old) {
                                                        options_.sinks);
   std::shared_ptr<Running> before;
   {
+    // stop() resets the machine under this lock.
     const std::lock_guard lock(mutex_);
+    if (running_ && running_->stream->state().recording)
+      refuse_live("machine", "a recording runs (save or discard it first)");
     one->id = next_++;
+    one->simulated = std::make_unique<workflow::SimulatedStream>(std::move(run), one->stream, r.times);
     before = std::exchange(running_, one);
   }
   if (before) before->simulated.reset();
-  one->simulated = std::make_unique<workflow::SimulatedStream>(std::move(run), one->stream, r.times);
   return state();
 }
 

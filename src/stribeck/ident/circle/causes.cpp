@@ -90,6 +90,7 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
   const Effect effect = effect_of(f, c);
   out.effect = effect.span;
   const double radius = f.rows.radius;
+  const AxisNames& axes = f.rows.axes;
   const auto figure = [&](std::string name, double value, double half_width, std::string unit) {
     out.figures.push_back({std::move(name), value, half_width, std::move(unit)});
   };
@@ -112,15 +113,17 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
     case CauseKind::kServoMismatch:
       // d·V·(τx − τy)/2·sin 2θ
       if (f.rows.feeds_known)
-        figure("x later than y", 2e3 * first / f.rows.fastest, 2e3 * out.half_width / f.rows.fastest, "ms");
+        figure(fmt::format("{} later than {}", axes[0], axes[1]), 2e3 * first / f.rows.fastest,
+               2e3 * out.half_width / f.rows.fastest, "ms");
       break;
     case CauseKind::kScaleMismatch:
-      figure("x longer than y", 2e6 * first / radius, 2e6 * out.half_width / radius, "um/m");
+      figure(fmt::format("{} longer than {}", axes[0], axes[1]), 2e6 * first / radius,
+             2e6 * out.half_width / radius, "um/m");
       // The circle is as large in x as radius and mismatch together say, in y as their difference.
       for (const int axis : {0, 1}) {
         const int common = f.design.columns.causes.front().first;
         g(common) = axis == 0 ? 1.0 : -1.0;
-        figure(axis == 0 ? "scale error of x" : "scale error of y",
+        figure("scale error of " + axes[static_cast<std::size_t>(axis)],
                1e6 * (f.fit.coefficients(common) + (axis == 0 ? first : -first)) / radius,
                1e6 * u.half_width(g) / radius, "um/m");
       }

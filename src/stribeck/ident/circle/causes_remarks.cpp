@@ -85,7 +85,7 @@ void add_remarks_on_instrument(const CauseRows& rows, const CauseFit& fit,
   if (std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.ball_bar; })) {
     out.emplace_back(
         "a ball-bar measures the distance from its centre: an error along the circle cannot be seen");
-  } else {
+  } else if (!std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.scale; })) {
     out.emplace_back(
         "positions of a motor encoder hold no backlash, lateral play, squareness or straightness: these need a "
         "ball-bar, a grid encoder or linear scales");

@@ -355,7 +355,9 @@ PlantFit fit_plant(const Response& response) {
   for (const Structure s : {Structure::kRigid, Structure::kTwoMassDrive, Structure::kTwoMassTable}) {
     Candidate c;
     c.structure = s;
-    if (data.omega.size() >= 2 * static_cast<std::size_t>(parameters_of(s)) || s == Structure::kRigid)
+    const bool rigid_fits = !all.empty() && all.front().fitted.squares < kBadSquare;
+    if (s == Structure::kRigid ||
+        (rigid_fits && data.omega.size() >= 2 * static_cast<std::size_t>(parameters_of(s))))
       c.fitted = fit(data, s, slowest, all.empty() ? nullptr : &all.front().fitted);
     if (c.fitted.squares < kBadSquare) {
       c.half = parameter_half_widths(data, s, slowest, c.fitted, &c.excess);

@@ -166,9 +166,13 @@ class CsvReader {
           std::count_if(column.texts.begin(), column.texts.end(),
                         [&](const std::string& text) { return cell_number(text, decimal_).has_value(); });
       if (2 * static_cast<std::size_t>(numbers) >= column.texts.size()) {
-        fail(0, "row 1, column " + in_quotes(column.header) + ": got " +
-                    in_quotes(as_utf8(column.texts.front())) + ", expected a number as in " +
-                    std::to_string(numbers) + " other rows");
+        const auto wrong = std::find_if(column.texts.begin(), column.texts.end(), [&](const auto& text) {
+          return !unquoted(text).empty() && !cell_number(text, decimal_).has_value();
+        });
+        const auto first = wrong == column.texts.end() ? column.texts.begin() : wrong;
+        fail(0, "row " + std::to_string(first - column.texts.begin() + 1) + ", column " +
+                    in_quotes(column.header) + ": got " + in_quotes(as_utf8(*first)) +
+                    ", expected a number as in " + std::to_string(numbers) + " other rows");
       }
       for (auto& text : column.texts) {
         if (std::any_of(text.begin(), text.end(), [](unsigned char ch) { return ch < 0x20; })) {

@@ -29,12 +29,30 @@ std::string checked_date(const std::string& place, const std::string& date) {
   return date;
 }
 
-/// The day that the logs say themselves, as `# date: 2026-11-23` or with a time behind it.
-std::string date_of_logs(const std::vector<std::string>& logs, const LogOptions& options) {
-  std::string found, source;
-  for (const std::string& path : logs) {
+/// The words of --map for the circle, or those for the logs of the axes. A position x belongs to the circle where one of y stands beside
+/// it.
+std::vector<std::string> maps_for(const std::vector<std::string>& maps, bool circle) {
+  const auto word_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
+  const auto is_there = [&](const char* word) {
+    return std::any_of(maps.begin(), maps.end(), [&](const std::string& m) { return word_of(m) == word; });
+  };
+  const bool both = is_there("y");
+  std::vector<std::string> out;
+  for (const std::string& text : maps) {
+    const std::string word = word_of(text);
+    const bool of_circle = (both && word == "x") || word == "y" || word == "rx" || word == "ry" ||
+                           word == "angle" || word == "radius" || word == "deviation" || word == "direction";
+    if (of_circle == circle) out.push_back(text);
+  }
+  return out;
+}
+
+/// The day that logs say themselves, as `# date: 2026-11-23` or with a time behind it.
+class DateOfLogs {
+ public:
+  void add(const std::string& path, const io::Log& log) {
     std::string here;
-    for (const auto& [key, value] : read_log(path, options).metadata) {
+    for (const auto& [key, value] : log.metadata) {
       if (io::lower_case(key) == "date" && health::day_of(value.substr(0, 10))) here = value.substr(0, 10);
     }
     if (here.empty())
@@ -42,14 +60,17 @@ std::string date_of_logs(const std::vector<std::string>& logs, const LogOptions&
                     fmt::format("missing, and {} does not say its day: expected --date 2026-11-23, or "
                                 "\"# date: 2026-11-23\" in the log",
                                 path));
-    if (!found.empty() && here != found)
+    if (!found_.empty() && here != found_)
       refuse_option("--date", fmt::format("missing, and {} is of {} but {} of {}: expected logs of one day",
-                                          source, found, path, here));
-    found = here;
-    source = path;
+                                          source_, found_, path, here));
+    found_ = here;
+    source_ = path;
   }
-  return found;
-}
+  [[nodiscard]] const std::string& found() const { return found_; }
+
+ private:
+  std::string found_, source_;
+};
 
 const ArchiveFile* first_of(const std::vector<ArchiveFile>& files, const std::string& axis) {
   for (const ArchiveFile& f : files) {
@@ -90,12 +111,12 @@ class Session {
 
   void measure() {
     if (options_.logs.empty() && options_.circles.empty()) return;
-    std::vector<std::string> dated = options_.logs;
-    if (options_.date.empty()) dated.insert(dated.end(), options_.circles.begin(), options_.circles.end());
+    LogOptions of_axes = options_.log;
+    of_axes.maps = maps_for(options_.log.maps, false);
     const std::string date =
-        options_.date.empty() ? date_of_logs(dated, options_.log) : checked_date("--date", options_.date);
+        options_.date.empty() ? date_of_all(of_axes) : checked_date("--date", options_.date);
     std::vector<ArchivedTest> tests;
-    for (const LogsOfAxis& one : logs_by_axis(description_, options_.logs, options_.log)) {
+    for (const LogsOfAxis& one : logs_by_axis(description_, options_.logs, of_axes)) {
       measure_axis(one, date, tests);
     }
     if (!options_.circles.empty()) measure_circle(date, tests);
@@ -134,6 +155,13 @@ class Session {
   }
 
  private:
+  [[nodiscard]] std::string date_of_all(const LogOptions& of_axes) const {
+    DateOfLogs date;
+    for (const std::string& path : options_.logs) date.add(path, read_log(path, of_axes));
+    for (const std::string& path : options_.circles) date.add(path, read_circle_log(path));
+    return date.found();
+  }
+
   /// Whether these logs are in the archive already; says so.
   [[nodiscard]] bool known(const std::string& axis, const std::string& checksum, const std::string& sources) {
     const auto same = std::find_if(files_.begin(), files_.end(), [&](const ArchiveFile& f) {
@@ -189,7 +217,7 @@ class Session {
     CircleOptions what;
     what.logs = options_.circles;
     what.size = options_.size;
-    what.maps = options_.log.maps;
+    what.maps = maps_for(options_.log.maps, true);
     what.together = true;
     const report::CircleReportInput judged = judge_circles(what);
     health::CircleMeasured circle;

@@ -353,7 +353,8 @@ std::string plane_words(const ident::circle::AxisNames& axes) {
 }  // namespace
 
 CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius, const std::string& where) {
-  if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, *bar, radius);
+  if (const auto bar = ball_bar_columns(log, map))
+    return in_order_of_time(log, ball_bar_track(log, *bar, radius));
   const io::Column* first = nullptr;
   const auto values = [&](const NamedColumn& named) {
     std::vector<double> all = positions(log, named);
