@@ -6,7 +6,7 @@
 ///   observed                  ė_k = v̂_k − ṙ(k)                    v̂ from the Kalman observer, which the caller sets
 ///
 /// On a circle the late form adds a constant radius error a·T/ω.
-/// The late form is kept for comparison only. The first sample has ė = 0, and the velocity of the reference.
+/// The late form is kept for comparison only. The first sample has ė = 0.
 /// Real time: safe.
 
 #include <array>
@@ -35,8 +35,10 @@ struct TrackingError {
   void update(double measured, double reference, double reference_velocity, double period,
               ErrorRate form) noexcept {
     const double error = measured - reference;
-    velocity = started ? (measured - position) / period : reference_velocity;
-    if (started) rate = form != ErrorRate::kLate ? (error - e) / period : velocity - reference_velocity;
+    if (started) {
+      velocity = (measured - position) / period;
+      rate = form != ErrorRate::kLate ? (error - e) / period : velocity - reference_velocity;
+    }
     e = error;
     position = measured;
     started = true;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
 #include <vector>
 
@@ -108,10 +109,16 @@ bool any_rotary(const ExportRequest& request) {
 
 std::string axis_notes(const ExportRequest& request) {
   std::string notes;
+  std::map<std::string, std::string> first_of;  // file of each axis
   for (const std::string& file : request.files) {
     if (is_rotary(file)) notes += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
     if (io::load_toml(file).find("axes") != nullptr) continue;
     const auto axis = io::read_toml<sim::AxisFile>(file);
+    const std::string name = axis.axis.value_or("");
+    if (const auto other = first_of.try_emplace(name, file); !name.empty() && !other.second)
+      notes += fmt::format(
+          "{} and {} both say that they are of axis {}: the names follow the order of the files.\n",
+          other.first->second, file, name);
     const ident::Shown shown("m", "N", axis.rotary.value_or(false));
     if (const auto& spring = axis.model.friction.spring; spring && (spring->from || spring->to))
       notes += fmt::format("{} has a spring that is known from {} to {}; beyond, its force stays.\n", file,

@@ -204,6 +204,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   for (const Given& given : models) {
     take(given, machine, p);
     p.from_file[given.axis] = 1;
+    const std::string& name = machine.axes[given.axis].first;
+    if (given.content.axis && !given.content.axis->empty() && *given.content.axis != name)
+      p.assumed.push_back(fmt::format("{} says that it is of axis {}, and is used for axis {}", given.file,
+                                      *given.content.axis, name));
   }
   for (const std::size_t i : axes)
     if (!machine.axes[i].second.truth_from.empty()) fill_in(p.knowledge[i], machine.axes[i].second);

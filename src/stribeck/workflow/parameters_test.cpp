@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stribeck/io/file.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/parameters.hpp>
@@ -75,6 +76,14 @@ kind = "static"
   EXPECT_NEAR(p.knowledge[0].gaussian->friction.parts(3e-3, 0.0).level, 45.0, 0.1);
   EXPECT_NEAR(p.knowledge[0].conventional->friction.parts(3e-3, 0.0).level, 40.0, 0.3);
   EXPECT_THAT(p.assumed, testing::Contains(testing::HasSubstr("axis y does not move here")));
+  EXPECT_THAT(p.assumed, testing::Not(testing::Contains(testing::HasSubstr("says that it is of axis"))));
+  std::string other = io::read_text(model);
+  other.replace(other.find("\"x\""), 3, "\"z\"");
+  options.axis_files = {"x=" + folder.write("z.toml", other.c_str())};
+  const sim::Machine swapped =
+      read_virtual_machine(machine_file, options.axis_files, AxisWithoutTruth::kLeftOut);
+  EXPECT_THAT(get_parameters(swapped, machine_file, options, spec).assumed,
+              testing::Contains(testing::HasSubstr("says that it is of axis z, and is used for axis x")));
 }
 
 }  // namespace

@@ -76,6 +76,7 @@ class Compensation {
     double last_jerk = 0.0;          ///< of the reference [m/s³]
     double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
+    bool begun = false;    ///< the second sample has come: take_over()
     bool limited = false;  ///< the last force was limited
     bool slower = false;   ///< the disturbance observer has taken the place of the Kalman observer
     double calming = 0.0;  ///< time for which the oscillation that caused this may go on [s]
@@ -123,10 +124,8 @@ class Compensation {
   void observe(State& s, double position, double velocity, bool bridged = false,
                bool doubtful = false) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
-    if (!s.started) {
-      // An axis may be in motion when the controller takes it over: a speed from nothing would be a force of mass times speed.
-      s.disturbance.velocity = s.adaptive.velocity = velocity;
-      s.kalman = {{{position, velocity, 0.0}}, true};
+    if (take_over(s, position, velocity, bridged)) {
+      // The estimates begin with the motion that the axis has.
     } else if (bridged) {
       carry_on(s, net, velocity);
     } else if (params_.observer == Observer::kDisturbance) {
@@ -264,9 +263,21 @@ class Compensation {
   /// Least noise then, as a share of the level: a distance of half or twice the true one misses a third of the level, as root mean
   /// square over three distances. A part of it is found as the scale of the stiffness.
   static constexpr double kAssumedBuildUp = 0.2;
+  static constexpr double kMoves = 2.0;  ///< steps of the encoder in a period that are a motion
 
   [[nodiscard]] bool follows_adaptation() const noexcept {
     return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
+  }
+
+  /// An axis may be in motion when the controller takes it over: the second sample shows it. An observer that begins at rest would make
+  /// a force of mass times speed.
+  bool take_over(State& s, double position, double velocity, bool bridged) const noexcept {
+    if (!s.started || s.begun || bridged) return false;
+    s.begun = true;
+    if (!(abs(velocity) * period_ > kMoves * params_.encoder_resolution)) return false;
+    s.disturbance.velocity = s.adaptive.velocity = velocity;
+    s.kalman.estimate = {{position, velocity, 0.0}};
+    return true;
   }
 
   /// A period without a sample: the estimates of the observers do not change.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
@@ -47,6 +48,18 @@ sim::MeasuredPlant dense_plant(const ident::frequency::Response& response,
     ratio_before = ratio;
   }
   return out;
+}
+
+/// A force that acts earlier than one that is held for a period is what the drive makes, and no command: neither the hold of the control nor
+/// the delay of the drive is in the response, and a loop that was proposed from it would be unstable. Adds the hold; the time that was
+/// missing [s], 0: none.
+double add_hold(const ident::frequency::PlantFit& fit, sim::MeasuredPlant& plant) {
+  constexpr double kLeast = 0.2;  // of the period
+  if (!(fit.delay.high() < -kLeast * plant.period)) return 0.0;
+  const double missing = -fit.delay.value;
+  for (std::size_t i = 0; i < plant.omega.size(); ++i)
+    plant.response[i] *= std::polar(1.0, -plant.omega[i] * missing);
+  return missing;
 }
 
 /// Whether the rule is violated first near resonance and anti-resonance.
@@ -126,6 +139,7 @@ report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptio
   out.response = ident::frequency::estimate(axis.records, how);
   out.fit = ident::frequency::fit_plant(out.response);
   out.plant = dense_plant(out.response, out.fit.plant);
+  const double missing = add_hold(out.fit, out.plant);
   out.rule = {options.phase_margin * kPi / 180.0, std::pow(10.0, options.gain_margin / 20.0)};
   const double mass = out.fit.mass.value;
   out.proposed = sim::propose_loop(out.plant, mass, out.rule);
@@ -138,6 +152,14 @@ report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptio
     out.present_margins = sim::measured_margins(out.plant, *present);
   }
   out.warnings = warnings_of(out);
+  if (missing > 0.0)
+    out.warnings.insert(
+        out.warnings.begin(),
+        fmt::format(
+            "the force acts {} ms earlier than a command that is held for a period would: the log has the force that the drive makes, "
+            "not the one that it is told. Proposals and margins count with a hold of one period, and with no delay of the drive, "
+            "which this log does not show (log the command of the control as the force, or stay well below the proposal)",
+            ident::digits(1e3 * missing, 3)));
   for (const std::string& note : axis.notes) out.warnings.push_back(note);
   return out;
 }
