@@ -24,6 +24,14 @@ double slowest_of(const Extent& extent, const Window& window, double velocity) {
   return window.slowest_share * extent.top_speed[velocity > 0.0 ? 0 : 1];
 }
 
+/// At rest friction is anything that the force needs. A row before or behind a stop, whose window reaches into it, has a mean of both.
+bool moves_in_window(const log::Motion& m, std::size_t k) {
+  constexpr double kLeast = 0.1;  // of the speed of the row
+  const auto n = static_cast<std::size_t>(m.reach);
+  const double least = kLeast * m.v[k] * m.direction[k];
+  return m.v[k - n] * m.direction[k] >= least && m.v[k + n] * m.direction[k] >= least;
+}
+
 void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window) {
   int stretches_before = 0;
   for (std::size_t r = 0; r < log.motions.size(); ++r) {
@@ -36,6 +44,7 @@ void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Wi
       if (!(speed > 0.0) || (is_slow && steady[k] == 0)) continue;
       if (window.relaxation * std::abs(m.a[k]) > kLagShare * speed * speed) continue;
       if (!m.sliding(k, window.exclude) || (!skip.empty() && skip[k] != 0)) continue;
+      if (!moves_in_window(m, k)) continue;
       rows.record.push_back(static_cast<int>(r));
       rows.at.push_back(k);
       rows.stretch.push_back(stretches_before + m.stretch[k]);

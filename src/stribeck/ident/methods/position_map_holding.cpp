@@ -121,48 +121,76 @@ Result identify_held(const std::vector<log::Record>& records, const PositionMapO
 
 namespace stribeck::ident::methods {
 
-bool held_at_standstill(const std::vector<log::Record>& records) {
-  // Rests over the whole travel, and steps between them that are longer than a count of the encoder. (A slow jog
-  // on a coarse encoder rests too, but moves by single counts; stops between motions occur at few places.)
-  constexpr double kAtRest = 0.4;
-  constexpr double kLongSteps = 0.3;
-  constexpr int kPlaces = 64;
-  std::size_t rest = 0;
-  std::size_t moving = 0;
-  std::size_t far = 0;
-  double low = kInfinity;
-  double high = -low;
-  double count = low;
-  for (const log::Record& r : records) {
-    for (std::size_t k = 0; k < r.x.size(); ++k) {
-      low = std::min(low, r.x[k]);
-      high = std::max(high, r.x[k]);
-      const double d = k > 0 ? std::abs(r.x[k] - r.x[k - 1]) : 0.0;
-      if (d > 0.0) count = std::min(count, d);
-    }
-  }
-  if (!(high > low)) return false;
-  count = std::max(count, 1e-6 * (high - low));
-  std::vector<bool> place(kPlaces, false);
-  for (const log::Record& r : records) {
-    for (std::size_t k = 1; k < r.x.size(); ++k) {
-      const double d = std::abs(r.x[k] - r.x[k - 1]);
-      if (d == 0.0) {
-        ++rest;
-        const int i = static_cast<int>((r.x[k] - low) / (high - low) * kPlaces);
-        place[static_cast<std::size_t>(std::clamp(i, 0, kPlaces - 1))] = true;
-      } else {
-        ++moving;
-        // A step alone between rests is a count, also where the counts are not all of one size (three digits of a number).
-        const bool alone =
-            (k < 2 || r.x[k - 1] == r.x[k - 2]) && (k + 1 >= r.x.size() || r.x[k + 1] == r.x[k]);
-        if (d > 1.5 * count && !alone) ++far;
+namespace {
+
+/// Rests and motion of records: rests between two counts of the encoder in one direction are slow motion.
+class Rests {
+ public:
+  explicit Rests(const std::vector<log::Record>& records) {
+    double high = -kInfinity, count = kInfinity;
+    for (const log::Record& r : records) {
+      for (std::size_t k = 0; k < r.x.size(); ++k) {
+        low_ = std::min(low_, r.x[k]);
+        high = std::max(high, r.x[k]);
+        const double d = k > 0 ? std::abs(r.x[k] - r.x[k - 1]) : 0.0;
+        if (d > 0.0) count = std::min(count, d);
       }
     }
+    travel_ = high - low_;
+    if (!(travel_ > 0.0)) return;
+    count_ = std::max(count, 1e-6 * travel_);
+    for (const log::Record& r : records) add(r);
   }
-  const auto places = std::count(place.begin(), place.end(), true);
-  return static_cast<double>(rest) > kAtRest * static_cast<double>(rest + moving) &&
-         static_cast<double>(far) > kLongSteps * static_cast<double>(moving) && 4 * places >= 3 * kPlaces;
-}
+
+  [[nodiscard]] bool hold_the_axis() const {
+    constexpr double kAtRest = 0.4;
+    constexpr double kLongSteps = 0.3;
+    const auto places = std::count(place_.begin(), place_.end(), true);
+    return travel_ > 0.0 && rest_ > kAtRest * (rest_ + moving_) && far_ > kLongSteps * moving_ &&
+           4 * places >= 3 * kPlaces;
+  }
+
+ private:
+  static constexpr int kPlaces = 64;
+
+  [[nodiscard]] bool is_count(double step) const { return std::abs(step) <= 1.5 * count_; }
+
+  void add(const log::Record& r) {
+    std::size_t begin = 0;  // of the rows that stand
+    double before = 0.0;    // step to them
+    for (std::size_t k = 1; k < r.x.size(); ++k) {
+      const double d = r.x[k] - r.x[k - 1];
+      if (d == 0.0) continue;
+      end_of_rest(r.x[k - 1], k - 1 - begin, before, d);
+      // A step alone between rests is a count, also where the counts are not all of one size (three digits of a number).
+      const bool alone = (k < 2 || r.x[k - 1] == r.x[k - 2]) && (k + 1 >= r.x.size() || r.x[k + 1] == r.x[k]);
+      moving_ += 1.0;
+      if (!is_count(d) && !alone) far_ += 1.0;
+      begin = k;
+      before = d;
+    }
+    if (!r.x.empty()) end_of_rest(r.x.back(), r.x.size() - 1 - begin, before, 0.0);
+  }
+  void end_of_rest(double x, std::size_t rows, double before, double behind) {
+    if (rows == 0) return;
+    if (is_count(before) && is_count(behind) && before * behind > 0.0) {
+      moving_ += static_cast<double>(rows);
+      return;
+    }
+    rest_ += static_cast<double>(rows);
+    const int i = static_cast<int>((x - low_) / travel_ * kPlaces);
+    place_[static_cast<std::size_t>(std::clamp(i, 0, kPlaces - 1))] = true;
+  }
+
+  double low_ = kInfinity, travel_ = 0.0, count_ = 0.0;
+  double rest_ = 0.0, moving_ = 0.0, far_ = 0.0;  // rows
+  std::vector<bool> place_ = std::vector<bool>(kPlaces, false);
+};
+
+}  // namespace
+
+// Rests over the whole travel, and steps between them that are longer than a count of the encoder. (A slow jog on a coarse encoder rests
+// too, but moves by single counts; stops between motions occur at few places.)
+bool held_at_standstill(const std::vector<log::Record>& records) { return Rests(records).hold_the_axis(); }
 
 }  // namespace stribeck::ident::methods

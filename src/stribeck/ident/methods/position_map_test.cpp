@@ -307,6 +307,14 @@ TEST(PositionMap, OnlyAHeldAxisIsTakenForOne) {
     const double x = 0.0999 + 0.1 * (1.0 - std::cos(2.0 * kPi * k / 4000.0));
     digits.x.push_back(x < 0.1 ? 1e-6 * std::round(1e6 * x) : 1e-3 * std::round(1e3 * x));
   }
+  // Jogs of 1 to 80 mm/s, 2 ms apart, on an encoder of 5 um: single counts where it is slow, far more of them where it is fast.
+  log::Record jogs;
+  double x = -0.05;
+  for (const double speed : {1e-3, 4e-3, 10e-3, 30e-3, 80e-3}) {
+    for (int k = 0; k * 2e-3 < 20e-3 / speed; ++k, x += 2e-3 * speed)
+      jogs.x.push_back(5e-6 * std::floor(x / 5e-6));
+  }
+  EXPECT_FALSE(held_at_standstill({jogs}));
   EXPECT_FALSE(held_at_standstill({digits}));
   EXPECT_FALSE(held_at_standstill({slow}));
   EXPECT_FALSE(held_at_standstill({stops}));
