@@ -12,9 +12,26 @@ constexpr int kTries = 40;
 constexpr double kRough = 1e-4;
 constexpr double kFine = 1e-9;
 
+/// Two terms of one period, or of neighbouring ones, hide each other: what one of them leaves is the background of the other, and a part
+/// that reverses makes the passes of both directions disagree on the part that does not. `more` ends with the first of them, `left` is what
+/// it leaves. True when both stand out beside each other.
+bool add_second(const Data& data, const FrequencyGrid& grid, const PeriodicOptions& options,
+                const std::vector<double>& rejected, std::vector<Line>& more, Residual& left) {
+  if (static_cast<int>(more.size()) >= options.most) return false;
+  constexpr double kApart = 1.2;  // of the resolution
+  const auto second = strongest(data, grid, left, options, more, rejected, true, kApart);
+  if (!second) return false;
+  more.back().f = more.back().start;  // alone it was drawn towards the other
+  more.push_back(*second);
+  if (!refine(data, options.turn > 0.0, kRough, more, left.e)) return false;
+  spectrum(data, grid, left);
+  return stands(data, grid, left, more[more.size() - 2]) && stands(data, grid, left, more.back());
+}
+
 /// Adds one term after the other, each refined together with those before it; `left` is their residual.
 std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, const PeriodicOptions& options,
                                Residual& left) {
+  constexpr int kPairs = 6;  // tries with a second term beside the first one
   std::vector<Line> found;
   std::vector<Line> guess;
   double most_power = 0.0;
@@ -29,13 +46,15 @@ std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, cons
     const Residual before = left;
     if (refine(data, options.turn > 0.0, kRough, more, left.e)) {
       spectrum(data, grid, left);
-      if (stands(data, grid, left, more.back())) {
+      const std::vector<Line> one = more;
+      const double power = before.e.squaredNorm() - left.e.squaredNorm();
+      if (stands(data, grid, left, more.back()) ||
+          (tries < kPairs && add_second(data, grid, options, rejected, more, left))) {
         found = std::move(more);
         any = true;
         continue;
       }
-      const double power = before.e.squaredNorm() - left.e.squaredNorm();
-      if (options.guess && found.empty() && power > most_power) most_power = power, guess = std::move(more);
+      if (options.guess && found.empty() && power > most_power) most_power = power, guess = one;
     }
     left = before;
     rejected.push_back(line->start);

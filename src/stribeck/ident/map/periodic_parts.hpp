@@ -103,10 +103,10 @@ inline constexpr int kHighestHarmonic = 12;
 FrequencyGrid frequencies(const Data& data);
 /// Reduction of the residual's power by a term, and its amplitude, in both forms.
 void spectrum(const Data& data, const FrequencyGrid& grid, Residual& left);
-/// The candidate that is tried next; absent when nothing stands out.
+/// The candidate that is tried next; absent when nothing stands out. `apart`: least distance from a term of its form [1/travel].
 std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const Residual& left,
                               const PeriodicOptions& options, const std::vector<Line>& found,
-                              const std::vector<double>& rejected, bool any);
+                              const std::vector<double>& rejected, bool any, double apart = 2.0);
 /// Mean power of the residual around a term, and the number of lines of the spectrum that the mean is taken over.
 std::pair<double, double> local(const Data& data, const FrequencyGrid& grid, const Residual& left,
                                 const Line& line, std::size_t form);

@@ -190,7 +190,7 @@ void spectrum(const Data& data, const FrequencyGrid& grid, Residual& left) {
 /// falling background, side lobes of the strongest line would be taken for terms.)
 std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const Residual& left,
                               const PeriodicOptions& options, const std::vector<Line>& found,
-                              const std::vector<double>& rejected, bool any) {
+                              const std::vector<double>& rejected, bool any, double apart) {
   const double resolution = 1.0 / data.length;
   double best = 0.0;
   std::optional<Line> line;
@@ -207,7 +207,8 @@ std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const
       double trials = all_lines(data, grid);
       bool taken = false;
       for (const Line& other : found) {
-        taken |= other.form == form && std::abs(other.f - f) < (options.turn > 0.0 ? 0.7 : 2.0) * resolution;
+        taken |=
+            other.form == form && std::abs(other.f - f) < (options.turn > 0.0 ? 0.7 : apart) * resolution;
         const double ratio = std::round(f / other.f);
         if (ratio >= 2.0 && ratio <= kHighestHarmonic && std::abs(f / ratio - other.f) < 0.3 * resolution) {
           trials = std::min(trials, kHarmonicTrials);

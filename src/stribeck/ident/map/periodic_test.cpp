@@ -59,6 +59,29 @@ void add(PeriodicRows& rows, double amplitude, double period, double phase, bool
 
 bool inside(const Interval& i, double truth) { return i.low <= truth && truth <= i.high; }
 
+// A screw whose turn pushes and rubs: one period in both forms. In passes of one direction their sum is seen, in those of the other their
+// difference, so that neither of them held in the other passes; and two neighbouring periods were each other's background.
+TEST(Periodic, TermsThatHideEachOtherAreFoundTogether) {
+  for (const double phase : {0.4, 1.0, 2.0}) {
+    PeriodicRows rows = strokes({.speeds = {0.003, 0.01, 0.03, 0.1}}, 5);
+    add(rows, 12.0, 10e-3, 0.4);
+    add(rows, 15.0, 10e-3, phase, true);
+    const PeriodicResult r = find_periodic(rows);
+    ASSERT_EQ(r.terms.size(), 2u) << phase;
+    EXPECT_EQ(r.terms[0].term.form, friction::EccentricForm::kProportional);
+    EXPECT_NEAR(r.terms[0].term.amplitude, 15.0, 0.2);
+    EXPECT_NEAR(r.terms[1].term.amplitude, 12.0, 0.2);
+    EXPECT_TRUE(inside(r.terms[1].period, 10e-3));
+  }
+  PeriodicRows near = strokes({.speeds = {0.005, 0.02, 0.08}}, 6);
+  add(near, 10.0, 10e-3, 0.2);
+  add(near, 10.0, 9.2e-3, 1.0);
+  const PeriodicResult r = find_periodic(near);
+  ASSERT_EQ(r.terms.size(), 2u);
+  EXPECT_NEAR(r.terms[0].term.amplitude, 10.0, 0.2);
+  EXPECT_NEAR(r.terms[1].term.amplitude, 10.0, 0.2);
+}
+
 // Closed form: without noise the term comes back, its period to a millionth although the resolution λ²/stroke is
 // a hundredth of it. Left are polynomials and tapers, which the projection of the regressors takes out.
 TEST(Periodic, WithoutNoiseTheTermComesBack) {
