@@ -61,7 +61,7 @@ struct shared {
 struct inner {
   struct supervisor watch;
   struct values values;
-  double resting; /* position [m] that a drive which takes positions was last given */
+  double resting; /* position [m] that a drive which takes positions was last given; NaN: none */
 };
 
 struct instance {
@@ -274,15 +274,15 @@ static int fault_of(const struct instance* s, int a) {
   return (int)f;
 }
 
-/* Whether a sample of the encoder may become the command of a drive that takes a position. One of which a fault says that it is wrong must
- * not, as long as the drive is enabled: it would go there. */
-static int may_follow(const struct supervisor* w, const struct inputs* in, int a) {
-  const double measured = in->axis[a].measured;
+/* Whether a sample of the encoder may become the command of a drive that takes a position. While the drive is enabled, one of which a
+ * fault says that it is wrong must not, nor one that is far from the last command: the drive would go there. */
+static int may_follow(const struct inner* own, const struct inputs* in, int a) {
+  const double measured = in->axis[a].measured, jump = in->limits[a].jump;
+  const struct supervisor* w = &own->watch;
   if (!isfinite(measured)) return 0;
-  if (in->enable && (w->fault == FAULT_FEEDBACK_NOT_FINITE || w->fault == FAULT_FEEDBACK_JUMPED ||
-                     w->fault == FAULT_FEEDBACK_FROZEN))
-    return 0;
-  return !w->seen || fabs(measured - w->last) <= in->limits[a].jump;
+  if (!in->enable) return !w->seen || fabs(measured - w->last) <= jump;
+  return w->fault != FAULT_FEEDBACK_NOT_FINITE && w->fault != FAULT_FEEDBACK_JUMPED &&
+         w->fault != FAULT_FEEDBACK_FROZEN && !(fabs(measured - own->resting) > jump);
 }
 
 /* Whether the drive takes a position. While it is off what HAL says now counts: the controller may not have been configured yet. */
@@ -292,8 +292,7 @@ static int takes_position(const struct inner* own) {
   return same(own->watch.mode == MODE_OFF ? v->value[drive_mode] : v->used[drive_mode], 1.0);
 }
 
-/* `now` is null when the controller does not run: a drive that takes a position is then told where the axis is. Before
- * supervisor_advance(), which takes the sample over. */
+/* `now` is null when the controller does not run: a drive that takes a position is then told where the axis is, or is to be. */
 static void write_command(struct instance* s, int a, const struct inputs* in,
                           const stribeck_axis_signals* now) {
   struct inner* own = &s->inner[a];
@@ -302,8 +301,9 @@ static void write_command(struct instance* s, int a, const struct inputs* in,
     command = now->command;
     own->resting = command;
   } else if (takes_position(own)) {
-    if (may_follow(&own->watch, in, a)) own->resting = in->axis[a].measured;
-    command = own->resting;
+    if (may_follow(own, in, a)) own->resting = in->axis[a].measured;
+    const double wanted = isfinite(in->axis[a].position) ? in->axis[a].position : 0.0;
+    command = isfinite(own->resting) ? own->resting : wanted;
   }
   const struct axis* x = &s->hal->axis[a];
   *x->command = command / in->unit;
@@ -431,6 +431,7 @@ static int make(const char* name) {
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->hal->brake, component, "%s.brake", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_IN, &s->hal->phase, component, "%s.phase", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_OUT, &s->hal->lag, component, "%s.lag", name)) < 0) return r;
+  for (int a = 0; a < axes; ++a) s->inner[a].resting = NAN;
   s->hal->position_unit = s->position_used = 1e-3;
   s->hal->force_unit = s->force_used = 1.0;
   s->hal->ramp_time = 0.02;

@@ -272,6 +272,7 @@ class Compensation {
   /// An axis may be in motion when the controller takes it over: the second sample shows it. An observer that begins at rest would make
   /// a force of mass times speed.
   bool take_over(State& s, double position, double velocity, bool bridged) const noexcept {
+    if (!s.started) s.begun = bridged;  // a first sample that was predicted shows no motion
     if (!s.started || s.begun || bridged) return false;
     s.begun = true;
     if (!(abs(velocity) * period_ > kMoves * params_.encoder_resolution)) return false;

@@ -194,6 +194,8 @@ std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& sam
     // The vertex of a parabola through n points has 9/4 of the variance of their mean.
     const double points = top.steps < kResolved ? 1.0 : static_cast<double>(top.steps) / 2.25;
     double half_width = 1.96 * noise / std::sqrt(in_cell * points);
+    // The largest of finer steps is larger by their noise: they must show more than that.
+    if (out && std::abs(top.height) - std::abs(out->height) < half_width) break;
     if (top.steps < kResolved) {
       // Between two steps the top may be higher by what it falls to its neighbours.
       const double next =
@@ -273,7 +275,11 @@ class PeakSearch {
       take(fine(static_cast<double>(first) * rows_.step, static_cast<double>(top + 1 + kBeside) * rows_.step),
            peak);
     }
-    if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height)) take(in_play_, peak);
+    if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height)) {
+      take(in_play_, peak);
+      const auto at = std::min(static_cast<std::size_t>(in_play_->at / rows_.step), smooth_.size() - 1);
+      peak.repeatability = repeatability(at, at);
+    }
     return peak;
   }
 

@@ -213,7 +213,9 @@ std::vector<Vibration> vibrations_of(const CircleRun& run, int log, double windo
     most = std::max(most, left[line]);
     if (!(left[line] > kClear * s.floor) || left[line] < kBesideAnother * most || line == kLowest) break;
     out.push_back(vibration_at(run, s, line));
-    for (std::size_t k = line - std::min(line, kApart); k <= std::min(line + kApart, left.size() - 1); ++k)
+    // A vibration whose frequency changes is broad.
+    const std::size_t apart = std::max(kApart, line / 5);
+    for (std::size_t k = line - std::min(line, apart); k <= std::min(line + apart, left.size() - 1); ++k)
       left[k] = 0.0;
   }
   return out;

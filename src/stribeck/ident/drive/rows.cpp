@@ -29,7 +29,9 @@ bool moves_in_window(const log::Motion& m, std::size_t k) {
   constexpr double kLeast = 0.1;  // of the speed of the row
   const auto n = static_cast<std::size_t>(m.reach);
   const double least = kLeast * m.v[k] * m.direction[k];
-  return m.v[k - n] * m.direction[k] >= least && m.v[k + n] * m.direction[k] >= least;
+  // Near the ends of a record a row has no window, and its velocity is that of raw positions.
+  const std::size_t first = std::max(k - n, n), last = std::min(k + n, m.rows() - 1 - n);
+  return m.v[first] * m.direction[k] >= least && m.v[last] * m.direction[k] >= least;
 }
 
 void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window) {

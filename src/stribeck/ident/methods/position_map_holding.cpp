@@ -155,13 +155,19 @@ class Rests {
 
   [[nodiscard]] bool is_count(double step) const { return std::abs(step) <= 1.5 * count_; }
 
+  /// Rows that stand, and the steps before and behind them.
+  struct Rest {
+    double x = 0.0, rows = 0.0, before = 0.0, behind = 0.0;
+  };
+
   void add(const log::Record& r) {
+    std::vector<Rest> rests;
     std::size_t begin = 0;  // of the rows that stand
-    double before = 0.0;    // step to them
+    double before = 0.0;
     for (std::size_t k = 1; k < r.x.size(); ++k) {
       const double d = r.x[k] - r.x[k - 1];
       if (d == 0.0) continue;
-      end_of_rest(r.x[k - 1], k - 1 - begin, before, d);
+      rests.push_back({r.x[k - 1], static_cast<double>(k - 1 - begin), before, d});
       // A step alone between rests is a count, also where the counts are not all of one size (three digits of a number).
       const bool alone = (k < 2 || r.x[k - 1] == r.x[k - 2]) && (k + 1 >= r.x.size() || r.x[k + 1] == r.x[k]);
       moving_ += 1.0;
@@ -169,17 +175,22 @@ class Rests {
       begin = k;
       before = d;
     }
-    if (!r.x.empty()) end_of_rest(r.x.back(), r.x.size() - 1 - begin, before, 0.0);
-  }
-  void end_of_rest(double x, std::size_t rows, double before, double behind) {
-    if (rows == 0) return;
-    if (is_count(before) && is_count(behind) && before * behind > 0.0) {
-      moving_ += static_cast<double>(rows);
-      return;
+    if (!r.x.empty()) rests.push_back({r.x.back(), static_cast<double>(r.x.size() - 1 - begin), before, 0.0});
+    for (std::size_t i = 0; i < rests.size(); ++i) {
+      // Counts come evenly in slow motion; a ramp that ends in a rest has single counts too.
+      constexpr double kEvenly = 4.0;
+      const double beside =
+          std::max(i > 0 ? rests[i - 1].rows : 0.0, i + 1 < rests.size() ? rests[i + 1].rows : 0.0);
+      const Rest& rest = rests[i];
+      if (is_count(rest.before) && is_count(rest.behind) && rest.before * rest.behind > 0.0 &&
+          rest.rows <= kEvenly * (1.0 + beside)) {
+        moving_ += rest.rows;
+      } else if (rest.rows > 0.0) {
+        rest_ += rest.rows;
+        const int at = static_cast<int>((rest.x - low_) / travel_ * kPlaces);
+        place_[static_cast<std::size_t>(std::clamp(at, 0, kPlaces - 1))] = true;
+      }
     }
-    rest_ += static_cast<double>(rows);
-    const int i = static_cast<int>((x - low_) / travel_ * kPlaces);
-    place_[static_cast<std::size_t>(std::clamp(i, 0, kPlaces - 1))] = true;
   }
 
   double low_ = kInfinity, travel_ = 0.0, count_ = 0.0;

@@ -315,6 +315,20 @@ TEST(PositionMap, OnlyAHeldAxisIsTakenForOne) {
       jogs.x.push_back(5e-6 * std::floor(x / 5e-6));
   }
   EXPECT_FALSE(held_at_standstill({jogs}));
+  // Held at one place after the other, with ramps between them, which begin and end with single counts.
+  log::Record ramps;
+  double place = 0.0;
+  for (int n = 0; n < 80; ++n) {
+    for (int k = 0; k < 500; ++k) ramps.x.push_back(1e-6 * std::round(place / 1e-6));
+    constexpr int kHalf = 45;  // ms, at 1 m/s²
+    for (int k = 1; k < 2 * kHalf; ++k) {
+      const double since = 1e-3 * std::min(k, 2 * kHalf - k), whole = 1e-6 * kHalf * kHalf;
+      const double way = k <= kHalf ? 0.5 * since * since : whole - 0.5 * since * since;
+      ramps.x.push_back(1e-6 * std::round((place + way) / 1e-6));
+    }
+    place += 1e-6 * kHalf * kHalf;
+  }
+  EXPECT_TRUE(held_at_standstill({ramps}));
   EXPECT_FALSE(held_at_standstill({digits}));
   EXPECT_FALSE(held_at_standstill({slow}));
   EXPECT_FALSE(held_at_standstill({stops}));

@@ -166,15 +166,19 @@ io::Json circle_after(Work& work) {
     return judge_models(work, plan);
   } catch (...) {
     // Whatever went wrong, the machine must not go on with models that were not judged.
-    try {
-      work.machine.stop();
-      work.machine.end_record();
-      work.machine.switch_off();
-      changed.give_back();
+    const auto done = [](const auto& act) {
+      try {
+        act();
+        return true;
+      } catch (const std::exception&) {
+        return false;  // it does not answer any more; the next command takes the models out
+      }
+    };
+    const bool off = done([&] { work.machine.switch_off(); });
+    done([&] { work.machine.stop(); });
+    done([&] { work.machine.end_record(); });
+    if (done([&] { changed.give_back(); }) && off)
       work.dialogue.say("The models are taken out again; the machine is off.");
-    } catch (const MachineError&) {
-      // It does not answer any more; the next command takes them out.
-    }
     throw;
   }
 }

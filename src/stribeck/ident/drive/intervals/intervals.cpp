@@ -280,8 +280,12 @@ MatrixXd Bread::inverse(const MatrixXd& map_inverse) const {
 /// without that row.
 void add_prior(Index shift, double noise, Bread& bread, Scores& scores) {
   const Index Q = shift + 1;
-  const MatrixXd to_columns =
-      bread.moments.topLeftCorner(Q, Q).transpose() * stats::pseudo_inverse(bread.white.topLeftCorner(Q, Q));
+  const MatrixXd white = bread.white.topLeftCorner(Q, Q);
+  const VectorXd size = white.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const MatrixXd inverse = size.asDiagonal() *
+                           stats::pseudo_inverse(size.asDiagonal() * white * size.asDiagonal()) *
+                           size.asDiagonal();
+  const MatrixXd to_columns = bread.moments.topLeftCorner(Q, Q).transpose() * inverse;
   const auto transform_rows = [&](MatrixXd& m) { m.topRows(Q) = (to_columns * m.topRows(Q)).eval(); };
   transform_rows(bread.moments);
   transform_rows(scores.of_record);
