@@ -103,7 +103,8 @@ void add_init(CLI::App& app, Action& action) {
   verb->add_option("--name", o->draft.name, "Name of the machine")->required()->type_name("NAME");
   verb->add_option("--axes", o->draft.axes, "Names of its axes, e.g. --axes x y z")
       ->required()
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->delimiter(',');
   verb->add_option("--sample-time", o->draft.sample_time, "Control period, e.g. \"1 ms\"")
       ->required()
       ->type_name("TIME");

@@ -13,7 +13,6 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
-#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/report/circle/circle_change.hpp>
@@ -93,23 +92,29 @@ void refuse_other_paths(const io::Log& log, const Track& t, const circle::Circle
   constexpr double kMostRows = 0.1;
   const bool commanded = !t.rx.empty();
   const std::vector<double>&x = commanded ? t.rx : t.x, &y = commanded ? t.ry : t.y;
-  std::vector<double> radii;
+  // Each run about its own middle: two circles may stand at different places.
+  std::size_t rows = 0, off = 0;
+  double low = HUGE_VAL, high = 0.0;
   for (const circle::CircleRun& run : motion.runs) {
-    for (std::size_t i = run.first; i < run.last; ++i)
-      radii.push_back(std::hypot(x[i] - motion.centre_x, y[i] - motion.centre_y));
+    const auto first = static_cast<std::ptrdiff_t>(run.first), last = static_cast<std::ptrdiff_t>(run.last);
+    const std::vector<double> own_x(x.begin() + first, x.begin() + last);
+    const std::vector<double> own_y(y.begin() + first, y.begin() + last);
+    const circle::LeastSquaresCircle own = circle::least_squares_circle(own_x, own_y);
+    const double most = (commanded ? kMostCommanded : kMostMeasured) * own.radius;
+    for (std::size_t i = 0; i < own_x.size(); ++i) {
+      const double radius = std::hypot(own_x[i] - own.x, own_y[i] - own.y);
+      low = std::min(low, radius), high = std::max(high, radius);
+      if (std::abs(radius - own.radius) > most) ++off;
+    }
+    rows += own_x.size();
   }
-  const double middle = ident::stats::median(radii);
-  const double most = (commanded ? kMostCommanded : kMostMeasured) * middle;
-  const auto off = std::count_if(radii.begin(), radii.end(),
-                                 [&](double radius) { return std::abs(radius - middle) > most; });
-  if (static_cast<double>(off) <= kMostRows * static_cast<double>(radii.size())) return;
-  const auto [low, high] = std::minmax_element(radii.begin(), radii.end());
+  if (static_cast<double>(off) <= kMostRows * static_cast<double>(rows)) return;
   throw io::InputError(
       {log.source, 0, where,
        fmt::format(
            "the {} positions go round, but are no circle: {:.4g} to {:.4g} mm from their middle; expected a circle (--where "
            "COLUMN=VALUE chooses the rows of one)",
-           commanded ? "commanded" : "measured", 1e3 * *low, 1e3 * *high)});
+           commanded ? "commanded" : "measured", 1e3 * low, 1e3 * high)});
 }
 
 /// One circle for each direction of travel, without run-in and run-out.

@@ -112,7 +112,7 @@ class Session {
   void measure() {
     if (options_.logs.empty() && options_.circles.empty()) return;
     LogOptions of_axes = options_.log;
-    of_axes.maps = maps_for(options_.log.maps, false);
+    if (!options_.circles.empty()) of_axes.maps = maps_for(options_.log.maps, false);
     const std::string date =
         options_.date.empty() ? date_of_all(of_axes) : checked_date("--date", options_.date);
     std::vector<ArchivedTest> tests;
@@ -141,7 +141,16 @@ class Session {
       const auto& [name, axis] = description_.axes[i];
       add_axis(name, since, axis.rotary, input);
       if (input.axes.empty() || input.axes.back().name != name) continue;
-      input.axes.back().motion = motion_commands(options_.machine, description_, i, turn_of(options_, axis));
+      auto& motion = input.axes.back().motion;
+      motion = motion_commands(options_.machine, description_, i, turn_of(options_, axis));
+      // Another motion than that of the archive would be refused.
+      if (const ArchiveFile* first = first_of(files_, name); first != nullptr && first->test.measured) {
+        const AxisUnits& u = units_of(axis.rotary);
+        const auto& made = first->test.measured->motion;
+        motion.insert(motion.begin(),
+                      fmt::format("# that of {}, from {:.5g} to {:.5g} {}; for another archive:", first->path,
+                                  u.per_metre * made.travel[0], u.per_metre * made.travel[1], u.travel));
+      }
     }
     add_axis(std::string(ArchivedTest::kCircle), since, false, input);
     input.remarks = remarks_;
@@ -217,7 +226,7 @@ class Session {
     CircleOptions what;
     what.logs = options_.circles;
     what.size = options_.size;
-    what.maps = maps_for(options_.log.maps, true);
+    what.maps = options_.logs.empty() ? options_.log.maps : maps_for(options_.log.maps, true);
     what.together = true;
     const report::CircleReportInput judged = judge_circles(what);
     health::CircleMeasured circle;
