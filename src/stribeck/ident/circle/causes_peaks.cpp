@@ -8,7 +8,9 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
 #include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <tuple>
+#include <utility>
 
 namespace stribeck::ident::circle {
 namespace {
@@ -151,16 +153,14 @@ struct FinePeak {
   double width = 0.0;  ///< at half height [rad]; NaN: reaches over the samples
 };
 
-/// Standard deviation of a sample, from the differences of neighbours.
+/// Standard deviation of a sample, from the median difference of neighbours: the flanks of a peak are no noise.
 double noise_of(const std::vector<PassingSamples::Sample>& samples) {
-  double squares = 0.0;
-  int count = 0;
+  constexpr double kOfMedian = 1.0484;  // 1/(0.6745·√2)
+  std::vector<double> steps;
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    if (!samples[i].goes_on) continue;
-    squares += std::pow(samples[i].rest - samples[i - 1].rest, 2);
-    ++count;
+    if (samples[i].goes_on) steps.push_back(std::abs(samples[i].rest - samples[i - 1].rest));
   }
-  return count > 0 ? std::sqrt(0.5 * squares / count) : HUGE_VAL;
+  return steps.empty() ? HUGE_VAL : kOfMedian * stats::median(std::move(steps));
 }
 
 /// The peak of samples, on steps as fine as its top needs and the samples allow; absent: they are no finer than `step`.
@@ -195,7 +195,8 @@ std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& sam
     const double points = top.steps < kResolved ? 1.0 : static_cast<double>(top.steps) / 2.25;
     double half_width = 1.96 * noise / std::sqrt(in_cell * points);
     // The largest of finer steps is larger by their noise: they must show more than that.
-    if (out && std::abs(top.height) - std::abs(out->height) < half_width) break;
+    constexpr double kMore = 1.5;  // half widths
+    if (out && std::abs(top.height) - std::abs(out->height) < kMore * half_width) continue;
     if (top.steps < kResolved) {
       // Between two steps the top may be higher by what it falls to its neighbours.
       const double next =
