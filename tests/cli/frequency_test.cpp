@@ -59,6 +59,43 @@ TEST(Frequency, OfAVirtualAxisIsFoundFromItsLog) {
   EXPECT_THAT(text_of(f / "page/index.html"), HasSubstr("Nyquist plane of the open loop"));
 }
 
+// A drive logs the force that it makes, a row after the command: without its hold the loop that was proposed is unstable.
+TEST(Frequency, AForceWithoutItsHoldIsSaidAndCountedWithOne) {
+  Folder f;
+  ASSERT_EQ(command({"excite", kMachine, "--method", "multisine", "--axis", "x", "-o", f / "m.csv"}).code, 0);
+  ASSERT_EQ(
+      command({"simulate", kMachine, "--reference", f / "m.csv", "--axis", "x", "-o", f / "told.csv"}).code,
+      0);
+  const std::string told = text_of(f / "told.csv");
+  std::string made, before;
+  for (std::size_t at = 0; at < told.size();) {
+    const std::size_t end = told.find('\n', at);
+    std::string line = told.substr(at, end - at);
+    at = end + 1;
+    const bool is_row = !line.empty() && line.front() >= '0' && line.front() <= '9';
+    if (is_row) {
+      // t, r, x, u: the force of the row before.
+      std::size_t comma = 0;
+      for (int k = 0; k < 3; ++k) comma = line.find(',', comma) + 1;
+      const std::string own = line.substr(comma);
+      if (!before.empty()) line.replace(comma, std::string::npos, before);
+      before = own;
+    }
+    made += line + "\n";
+  }
+  io::write_atomically(f / "made.csv", made);
+  const auto proposed = [&](const char* log) {
+    const Said said = command({"frequency", f / log, "--axis", "x", "--json", f / "f.json"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    const bool warns = (said.out + said.err).find("the force that the drive makes") != std::string::npos;
+    EXPECT_EQ(warns, log == std::string("made.csv"));
+    return nlohmann::json::parse(text_of(f / "f.json"))["axes"][0]["proposed"]["omega_rad_per_s"]
+        .get<double>();
+  };
+  const double of_command = proposed("told.csv");
+  EXPECT_NEAR(proposed("made.csv") / of_command, 1.0, 0.15);
+}
+
 // A log of another machine, or with another scale: margins of the gains in the file would be those of a loop that does not exist.
 TEST(Frequency, WhatContradictsTheMachineFileIsSaidFirst) {
   Folder f;

@@ -89,7 +89,7 @@ class DriveCommand {
     s.command = s.position + s.lead;
   }
 
-  /// Before the first step: a drive that takes a position is told where the axis is, or where it is to be; 0 would be a place too.
+  /// Before the first step: a drive that takes a position is told where the axis is, or else where it should be. A command of 0 would move it to 0.
   void wait(State& s, double measured, double reference) const noexcept {
     if (s.started || loop_.mode != friction::DriveMode::kPosition) return;
     if (isfinite(measured)) {

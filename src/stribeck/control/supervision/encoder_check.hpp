@@ -55,7 +55,7 @@ class EncoderCheck {
                      double acceleration, int periods = 1) noexcept {
     const double t = l.period * periods;
     turn_window(s, l);
-    // Nor may it pass into what is predicted: no later sample would agree with it.
+    // A reference that is no number must not enter the prediction: no later sample would agree with it.
     if (!isfinite(r + rate + acceleration)) r = s.reference, rate = acceleration = 0.0;
     // A jump of the reference is no motion of the axis.
     if (s.known == 2 && periods == 1 && !(abs(r - s.reference) <= l.noise + kJumps * l.growth))

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -58,6 +59,23 @@ void ChangedValues::set(const std::vector<std::pair<std::string, std::string>>& 
   }
   io::write_atomically(file_, io::dump(all));
   machine_.hal(commands);
+}
+
+bool end_safely(RunningMachine& machine, const std::string& file) {
+  const auto done = [](const auto& step) {
+    try {
+      step();
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  };
+  std::error_code ignored;
+  const bool changed = fs::exists(file, ignored);
+  const bool off = !changed || done([&] { machine.switch_off(); });
+  done([&] { machine.stop(); });
+  done([&] { machine.end_record(); });
+  return off && done([&] { ChangedValues(machine, file).give_back(); });
 }
 
 void ChangedValues::give_back() {

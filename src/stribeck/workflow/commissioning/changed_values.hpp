@@ -30,6 +30,11 @@ class ChangedValues {
   std::string file_;
 };
 
+/// After a failure: ends motion and record, and gives the values of FILE back to a machine that is off; what they protected from may not
+/// have been proven. No step keeps the others from being tried, and none throws. Whether nothing of FILE is left; where something is, the
+/// next command gives it back.
+bool end_safely(RunningMachine& machine, const std::string& file);
+
 /// "setp NAME VALUE" lines of a HAL file.
 std::vector<std::pair<std::string, std::string>> setp_lines(const std::string& hal);
 

@@ -59,22 +59,11 @@ StageDone run_stage(const Stage& stage, Work work, StageFolder& folders) {
   return {stage.name, false, work.says};
 }
 
-/// Values that a stage had changed for a while, as a lower limit of the force: while they are given back the machine is off, because what
-/// they protected from may not have been proven.
+/// What a command that was killed had changed for a while is given back to a machine that is off.
 void give_back(RunningMachine& machine, const std::string& file) {
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) machine.switch_off();
   ChangedValues(machine, file).give_back();
-}
-
-void give_back_quietly(RunningMachine& machine, const std::string& file) {
-  try {
-    machine.stop();
-    machine.end_record();
-    give_back(machine, file);
-  } catch (const MachineError&) {
-    // It does not answer any more; the next command gives them back.
-  }
 }
 
 }  // namespace
@@ -114,7 +103,7 @@ Outcome run(RunningMachine& machine, const Options& options, const Dialogue& dia
           run_stage(stage, {machine, options, dialogue, description, axes, folders, {}, {}}, folders));
     }
   } catch (...) {
-    give_back_quietly(machine, folders.path(kForAWhile));
+    end_safely(machine, folders.path(kForAWhile));
     throw;
   }
   out.before = largest(folders, "before");

@@ -166,18 +166,7 @@ io::Json circle_after(Work& work) {
     return judge_models(work, plan);
   } catch (...) {
     // Whatever went wrong, the machine must not go on with models that were not judged.
-    const auto done = [](const auto& act) {
-      try {
-        act();
-        return true;
-      } catch (const std::exception&) {
-        return false;  // it does not answer any more; the next command takes the models out
-      }
-    };
-    const bool off = done([&] { work.machine.switch_off(); });
-    done([&] { work.machine.stop(); });
-    done([&] { work.machine.end_record(); });
-    if (done([&] { changed.give_back(); }) && off)
+    if (end_safely(work.machine, work.folders.path(kModelValues)))
       work.dialogue.say("The models are taken out again; the machine is off.");
     throw;
   }

@@ -50,9 +50,9 @@ sim::MeasuredPlant dense_plant(const ident::frequency::Response& response,
   return out;
 }
 
-/// A force that acts earlier than one that is held for a period is what the drive makes, and no command: neither the hold of the control nor
-/// the delay of the drive is in the response, and a loop that was proposed from it would be unstable. Adds the hold; the time that was
-/// missing [s], 0: none.
+/// A negative delay beyond the hold shows that the log has the force that the drive makes, not its command: the hold of the control and the
+/// delay of the drive are missing in the response, and a loop that is proposed from it may be unstable. Adds the hold. Returns the time
+/// that was missing [s]; 0: none.
 double add_hold(const ident::frequency::PlantFit& fit, sim::MeasuredPlant& plant) {
   constexpr double kLeast = 0.2;  // of the period
   if (!(fit.delay.high() < -kLeast * plant.period)) return 0.0;

@@ -13,6 +13,7 @@
 #include <stribeck/workflow/circle_logs.hpp>
 #include <stribeck/workflow/health/health.hpp>
 #include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/judge/circle_track.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -40,8 +41,7 @@ std::vector<std::string> maps_for(const std::vector<std::string>& maps, bool cir
   std::vector<std::string> out;
   for (const std::string& text : maps) {
     const std::string word = word_of(text);
-    const bool of_circle = (both && word == "x") || word == "y" || word == "rx" || word == "ry" ||
-                           word == "angle" || word == "radius" || word == "deviation" || word == "direction";
+    const bool of_circle = is_word_of_circle(word) && (word != "x" || both);
     if (of_circle == circle) out.push_back(text);
   }
   return out;
@@ -147,9 +147,10 @@ class Session {
       if (const ArchiveFile* first = first_of(files_, name); first != nullptr && first->test.measured) {
         const AxisUnits& u = units_of(axis.rotary);
         const auto& made = first->test.measured->motion;
-        motion.insert(motion.begin(),
-                      fmt::format("# that of {}, from {:.5g} to {:.5g} {}; for another archive:", first->path,
-                                  u.per_metre * made.travel[0], u.per_metre * made.travel[1], u.travel));
+        motion.insert(
+            motion.begin(),
+            fmt::format("# the motion of {}, from {:.5g} to {:.5g} {}; a new archive may begin with:",
+                        first->path, u.per_metre * made.travel[0], u.per_metre * made.travel[1], u.travel));
       }
     }
     add_axis(std::string(ArchivedTest::kCircle), since, false, input);

@@ -22,6 +22,16 @@ namespace {
 
 constexpr double kUsualRadius = 10e-3;
 
+/// Words of --map for positions and commands, and those for a ball-bar.
+const std::vector<std::string>& words_of_positions() {
+  static const std::vector<std::string> words{"x", "y", "rx", "ry"};
+  return words;
+}
+const std::vector<std::string>& words_of_ball_bar() {
+  static const std::vector<std::string> words{"angle", "radius", "deviation", "direction"};
+  return words;
+}
+
 bool is_one_of(const std::string& what, const std::vector<std::string>& words) {
   return std::find(words.begin(), words.end(), what) != words.end();
 }
@@ -50,13 +60,16 @@ CircleTrack CircleTrack::empty_copy() const {
   return copy;
 }
 
+bool is_word_of_circle(const std::string& word) {
+  return is_one_of(word, words_of_positions()) || is_one_of(word, words_of_ball_bar());
+}
+
 CircleMap circle_map(const std::vector<std::string>& texts) {
-  const std::vector<std::string> positions{"x", "y", "rx", "ry"};
-  const std::vector<std::string> of_ball_bar{"angle", "radius", "deviation", "direction"};
+  const std::vector<std::string>&positions = words_of_positions(), &of_ball_bar = words_of_ball_bar();
   CircleMap given;
   for (const std::string& text : texts) {
     const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
-    if (!is_one_of(what, positions) && !is_one_of(what, of_ball_bar))
+    if (!is_word_of_circle(what))
       refuse_option("--map",
                     fmt::format("got {}, expected x, y (positions), rx, ry (commands), angle, radius, "
                                 "deviation or direction (ball-bar)",

@@ -37,6 +37,8 @@ struct CircleTrack {
 /// What --map gives: quantity, column.
 using CircleMap = std::map<std::string, std::string>;
 CircleMap circle_map(const std::vector<std::string>& texts);
+/// Whether --map has this word for a circle.
+bool is_word_of_circle(const std::string& word);
 
 /// One radius for all logs.
 struct CircleRadius {
