@@ -1,21 +1,16 @@
 #include <fast_float/fast_float.h>
-#include <udunits2.h>
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/torque_spellings.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/io/units/units_library.hpp>
 #include <utility>
 
 namespace stribeck::io {
@@ -26,169 +21,7 @@ constexpr double kTurn = 2.0 * kPi;  // [rad]
 
 [[noreturn]] void fail(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
 
-struct FreeUnit {
-  void operator()(ut_unit* u) const noexcept { ut_free(u); }
-};
-using Unit = std::unique_ptr<ut_unit, FreeUnit>;
-
-std::string_view trimmed(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r\n") - first + 1);
-}
-
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-void replace_all(std::string& text, std::string_view what, std::string_view by) {
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-    text.replace(at, what.size(), by);
-  }
-}
-
-/// The units system. udunits2 keeps state while it parses, so every call locks the mutex.
-class Units {
- public:
-  static Units& instance() {
-    static Units units;  // a failed construction is tried again at the next call
-    return units;
-  }
-
-  bool known(std::string_view text) {
-    const std::lock_guard lock(mutex_);
-    return !trimmed(text).empty() && parse(text) != nullptr;
-  }
-
-  enum class Verdict { kGood, kUnknownUnit, kWrongDimension };
-  struct Answer {
-    Verdict verdict;
-    Conversion conversion{};
-  };
-
-  Answer find(std::string_view from, std::string_view to) {
-    const std::lock_guard lock(mutex_);
-    auto key = std::pair{std::string(from), std::string(to)};
-    if (const auto hit = cache_.find(key); hit != cache_.end()) return hit->second;
-    // Texts come from files; the limit keeps a hostile one from filling the memory.
-    if (cache_.size() > 4096) cache_.clear();
-    return cache_.emplace(std::move(key), find_uncached(from, to)).first->second;
-  }
-
- private:
-  Units() {
-    ut_set_error_message_handler(ut_ignore);
-    system_ = ut_read_xml(nullptr);
-    if (system_ == nullptr) {
-      fail(
-          "the database of the units library was not found (install libudunits2-data, or set "
-          "UDUNITS2_XML_PATH to its udunits2.xml)");
-    }
-    radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
-    const Unit revolution(ut_scale(kTurn, radian_.get()));
-    for (const auto& [symbol, definition] : {std::pair{"deg", "arc_degree"},
-                                             {"Grad", "arc_degree"},
-                                             {"Nm", "N m"},
-                                             {"pct", "0.01"},
-                                             {"Arms", "A"},
-                                             {"Aeff", "A"},
-                                             {"ipm", "in/min"}}) {
-      const Unit unit(ut_parse(system_, definition, UT_UTF8));
-      if (unit != nullptr) ut_map_symbol_to_unit(symbol, UT_ASCII, unit.get());
-    }
-    // CiA 402 gives torques in thousandths of the rated one.
-    const Unit permille(ut_parse(system_, "0.001", UT_UTF8));
-    for (const char* symbol : {"permille", "promille"})
-      ut_map_symbol_to_unit(symbol, UT_ASCII, permille.get());
-    for (const char* symbol : {"rev", "U"}) ut_map_symbol_to_unit(symbol, UT_ASCII, revolution.get());
-  }
-  ~Units() {
-    radian_.reset();
-    ut_free_system(system_);
-  }
-
-  Unit parse(std::string_view text) {
-    std::string ascii(trimmed(text));
-    replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
-    for (const char* written : {"\u2030", "per mille"}) replace_all(ascii, written, "permille");
-    // "8 in-lb", and of a torque constant "3 oz-in/A".
-    const auto divided = std::min(ascii.find('/'), ascii.size());
-    if (const auto torque = detail::torque_of(trimmed(std::string_view(ascii).substr(0, divided)));
-        !torque.empty()) {
-      ascii.replace(0, divided, torque);
-    }
-    // A date, an offset or a logarithm is no proportional unit.
-    if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
-    return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));
-  }
-
-  Answer find_uncached(std::string_view from, std::string_view to) {
-    const Unit target = parse(to);
-    if (target == nullptr)
-      fail("unit " + in_quotes(to) + " of the program is not known to the units library");
-    const Unit source = parse(from);
-    if (source == nullptr) return {Verdict::kUnknownUnit};
-    const bool hertz = from.find("Hz") != std::string_view::npos && to.find("Hz") == std::string_view::npos;
-    const auto found = convert(source.get(), target.get());
-    if (!found || hertz || radians(source.get()) != radians(target.get())) return {Verdict::kWrongDimension};
-    return {Verdict::kGood, *found};
-  }
-
-  static std::optional<Conversion> convert(ut_unit* from, ut_unit* to) {
-    if (ut_are_convertible(from, to) == 0) return std::nullopt;
-    const std::unique_ptr<cv_converter, void (*)(cv_converter*)> f(ut_get_converter(from, to), cv_free);
-    if (f == nullptr) return std::nullopt;
-    const auto value = [&](double x) { return cv_convert_double(f.get(), x); };
-    Conversion c{value(1.0), false, 0};
-    constexpr double kRounding = 1e-14;
-    if (!(c.factor > 0.0) || !std::isfinite(c.factor) || value(0.0) != 0.0 ||
-        std::abs(value(2.0) / (2.0 * c.factor) - 1.0) > kRounding) {
-      return std::nullopt;
-    }
-    // 10^±22 are the last powers of ten that a double holds exactly.
-    const double power = std::round(std::log10(c.factor));
-    if (std::abs(power) <= 22.0 && std::abs(c.factor / std::pow(10.0, power) - 1.0) < kRounding) {
-      c.decimal = true;
-      c.power = static_cast<int>(power);
-      c.factor = c(1.0);
-    }
-    return c;
-  }
-
-  /// Power of the radian inside a unit.
-  [[nodiscard]] int radians(const ut_unit* unit) const {
-    struct Count {
-      const ut_unit* radian;
-      const ut_visitor* visitor;
-      int power;
-    };
-    ut_visitor visitor{};
-    visitor.visit_basic = [](const ut_unit* u, void* arg) {
-      auto& count = *static_cast<Count*>(arg);
-      if (ut_compare(u, count.radian) == 0) count.power += 1;
-      return UT_SUCCESS;
-    };
-    visitor.visit_product = [](const ut_unit*, int n, const ut_unit* const* basic, const int* powers,
-                               void* arg) {
-      auto& count = *static_cast<Count*>(arg);
-      for (int i = 0; i < n; ++i) {
-        if (ut_compare(basic[i], count.radian) == 0) count.power += powers[i];
-      }
-      return UT_SUCCESS;
-    };
-    visitor.visit_galilean = [](const ut_unit*, double, const ut_unit* underlying, double, void* arg) {
-      return ut_accept_visitor(underlying, static_cast<Count*>(arg)->visitor, arg);
-    };
-    visitor.visit_timestamp = [](const ut_unit*, const ut_unit*, double, void*) { return UT_SUCCESS; };
-    visitor.visit_logarithmic = [](const ut_unit*, double, const ut_unit*, void*) { return UT_SUCCESS; };
-    Count count{radian_.get(), &visitor, 0};
-    ut_accept_visitor(unit, &visitor, &count);
-    return count.power;
-  }
-
-  std::mutex mutex_;
-  ut_system* system_ = nullptr;
-  Unit radian_;
-  std::map<std::pair<std::string, std::string>, Answer> cache_;
-};
 
 /// Length of the number at the start of a text, and its value; 0 if there is none.
 struct Number {
@@ -267,15 +100,29 @@ std::string example(std::string_view number, const Quantity& q) {
 }
 
 /// A pole or an angular frequency in another unit that people write for it: "10 Hz" is 2π·10 rad/s, and a pole of "20 rad/s"
-/// one of 20 1/s. The other way round Hz stays refused: a gain in 1/s is no number of periods.
-std::optional<double> rate_of(double value, std::string_view unit, std::string_view expected) {
+/// one of 20 1/s. The other way round Hz stays refused: a gain in 1/s is no number of periods. The speed of a motor in "1/min" is in
+/// turns.
+std::optional<double> rate_of(double value, std::string_view unit, const Quantity& q) {
+  const std::string_view expected = q.unit;
+  if (q.shown == "rpm" && detail::find_unit(unit, "1/min").verdict == detail::UnitVerdict::kGood &&
+      unit.find("min") != std::string_view::npos)
+    return value * kTurn / 60.0;
   const bool hertz = expected == "rad/s" && unit.find("Hz") != std::string_view::npos;
   const bool radians = expected == "1/s" && unit.find("rad") != std::string_view::npos;
   if (!hertz && !radians) return std::nullopt;
-  const auto [verdict, found] = Units::instance().find(unit, hertz ? "Hz" : "rad/s");
+  const auto [verdict, found] = detail::find_unit(unit, hertz ? "Hz" : "rad/s");
   const double si = found(value) * (hertz ? kTurn : 1.0);
-  if (verdict != Units::Verdict::kGood || !std::isfinite(si)) return std::nullopt;
+  if (verdict != detail::UnitVerdict::kGood || !std::isfinite(si)) return std::nullopt;
   return si;
+}
+
+/// "5:2" of a gear, where a pure number is wanted.
+std::optional<double> ratio_of(double value, std::string_view rest, const Quantity& expected) {
+  if (!expected.unit.empty() || rest.empty() || rest[0] != ':') return std::nullopt;
+  const std::string_view second = detail::without_blanks(rest.substr(1));
+  const Number number = parse_number(second);
+  if (number.length == 0 || number.length != second.size()) return std::nullopt;
+  return value / number.value;
 }
 
 /// An acceleration in g: data sheets write it so, and for the units library "g" is a gram.
@@ -292,10 +139,11 @@ std::string period_of_rate(std::string_view got, std::string_view unit, const Qu
   if (q.unit != "s" || unit.find("Hz") == std::string_view::npos) return {};
   double rate = 0.0;
   const auto [end, error] = std::from_chars(got.data(), got.data() + got.size(), rate);
-  const auto [verdict, hertz] = Units::instance().find(unit, "Hz");
+  const auto [verdict, hertz] = detail::find_unit(unit, "Hz");
   const std::string shown(q.shown.empty() ? q.unit : q.shown);
   const double period = conversion("s", shown)(1.0 / hertz(rate));
-  if (error != std::errc{} || verdict != Units::Verdict::kGood || !(period > 0.0) || !std::isfinite(period))
+  if (error != std::errc{} || verdict != detail::UnitVerdict::kGood || !(period > 0.0) ||
+      !std::isfinite(period))
     return {};
   std::array<char, 32> digits{};
   const auto last =
@@ -311,6 +159,8 @@ std::string period_of_rate(std::string_view got, std::string_view unit, const Qu
     message += period;
   } else if (unit.find("Hz") != std::string_view::npos && q.unit.find("/s") != std::string_view::npos) {
     message += " (Hz counts whole periods; convert it to " + wanted + ")";
+  } else if (q.unit == "N" && detail::find_unit(unit, "kg").verdict == detail::UnitVerdict::kGood) {
+    message += " (" + in_quotes(unit) + " is a mass; its weight is written in kgf or lbf)";
   } else {
     message += " (" + in_quotes(unit) + " is another kind of quantity)";
   }
@@ -326,12 +176,12 @@ double Conversion::operator()(double x) const noexcept {
 }
 
 Conversion conversion(std::string_view unit_text, std::string_view si_unit) {
-  const auto [verdict, found] = Units::instance().find(or_one(trimmed(unit_text)), or_one(si_unit));
-  if (verdict == Units::Verdict::kUnknownUnit) {
+  const auto [verdict, found] = detail::find_unit(or_one(detail::without_blanks(unit_text)), or_one(si_unit));
+  if (verdict == detail::UnitVerdict::kUnknownUnit) {
     fail("got " + in_quotes(unit_text) + ", expected a unit like " + std::string(or_one(si_unit)) +
          " (not a known unit)");
   }
-  if (verdict == Units::Verdict::kWrongDimension)
+  if (verdict == detail::UnitVerdict::kWrongDimension)
     fail_wrong_dimension(unit_text, unit_text, {si_unit, si_unit});
   return found;
 }
@@ -340,10 +190,10 @@ double unit_factor(std::string_view unit_text, std::string_view si_unit) {
   return conversion(unit_text, si_unit).factor;
 }
 
-bool is_unit(std::string_view unit_text) { return Units::instance().known(unit_text); }
+bool is_unit(std::string_view unit_text) { return detail::known_unit(unit_text); }
 
 double to_si(std::string_view text, const Quantity& expected) {
-  const std::string_view all = trimmed(text);
+  const std::string_view all = detail::without_blanks(text);
   const Number number = parse_number(all);
   if (number.length == 0) {
     fail("got " + in_quotes(text) + ", expected a number" + (expected.unit.empty() ? "" : " with its unit") +
@@ -351,7 +201,7 @@ double to_si(std::string_view text, const Quantity& expected) {
   }
   const std::string_view digits = all.substr(0, number.length);
   if (!std::isfinite(number.value)) fail("got " + in_quotes(text) + ", expected a finite number");
-  std::string_view unit = trimmed(all.substr(number.length));
+  std::string_view unit = detail::without_blanks(all.substr(number.length));
   // "2500/min" is 2500 1/min.
   std::string per;
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -365,15 +215,22 @@ double to_si(std::string_view text, const Quantity& expected) {
   }
   // "5 000 mm" or "5 10 mm": udunits2 would multiply. Only 1/… begins a unit with a digit, and the 1000/min of position gains.
   const auto slash = unit.find('/');
-  const std::string_view before = slash == std::string_view::npos ? "" : trimmed(unit.substr(0, slash));
-  const bool reciprocal = before == "1" || (before == "1000" && trimmed(unit.substr(slash + 1)) == "min");
+  const std::string_view before =
+      slash == std::string_view::npos ? "" : detail::without_blanks(unit.substr(0, slash));
+  const bool reciprocal =
+      before == "1" || (before == "1000" && detail::without_blanks(unit.substr(slash + 1)) == "min");
   if (!unit.empty() && !reciprocal &&
       (is_digit(unit[0]) || unit[0] == '.' || unit[0] == '+' || unit[0] == '-')) {
     fail("got " + in_quotes(text) + ", expected one number and its unit (write it like " +
          example("5", expected) + ")");
   }
 
-  if (const auto si = rate_of(number.value, unit, expected.unit)) {
+  if (const auto si = ratio_of(number.value, unit, expected)) {
+    if (!std::isfinite(*si)) fail("got " + in_quotes(text) + ", expected a finite number");
+    check_range(*si, expected, text);
+    return *si;
+  }
+  if (const auto si = rate_of(number.value, unit, expected)) {
     check_range(*si, expected, text);
     return *si;
   }
@@ -381,14 +238,14 @@ double to_si(std::string_view text, const Quantity& expected) {
     check_range(*si, expected, text);
     return *si;
   }
-  const auto [verdict, found] = Units::instance().find(or_one(unit), or_one(expected.unit));
-  if (verdict == Units::Verdict::kUnknownUnit) {
+  const auto [verdict, found] = detail::find_unit(or_one(unit), or_one(expected.unit));
+  if (verdict == detail::UnitVerdict::kUnknownUnit) {
     fail("got " + in_quotes(text) + ", expected " +
          (expected.unit.empty() ? "a pure number" : "a unit like ") +
          std::string(expected.shown.empty() ? expected.unit : expected.shown) + " (" + in_quotes(unit) +
          " is not a known unit)");
   }
-  if (verdict == Units::Verdict::kWrongDimension) fail_wrong_dimension(text, unit, expected);
+  if (verdict == detail::UnitVerdict::kWrongDimension) fail_wrong_dimension(text, unit, expected);
   const double si = found.decimal ? shifted(digits, found.power) : number.value * found.factor;
   if (!std::isfinite(si)) fail("got " + in_quotes(text) + ", expected a finite number");
   check_range(si, expected, text);
@@ -396,9 +253,9 @@ double to_si(std::string_view text, const Quantity& expected) {
 }
 
 bool is_convertible(std::string_view text, const Quantity& quantity) {
-  const std::string_view all = trimmed(text);
-  const std::string_view unit = trimmed(all.substr(parse_number(all).length));
-  return !unit.empty() && Units::instance().find(unit, quantity.unit).verdict == Units::Verdict::kGood;
+  const std::string_view all = detail::without_blanks(text);
+  const std::string_view unit = detail::without_blanks(all.substr(parse_number(all).length));
+  return !unit.empty() && detail::find_unit(unit, quantity.unit).verdict == detail::UnitVerdict::kGood;
 }
 
 std::optional<Quantity> rotary_quantity(const Quantity& linear, std::string_view text) {
@@ -447,8 +304,8 @@ void check_range(double si, const Quantity& expected, std::string_view got) {
 
 std::string from_si(double si, const Quantity& q) {
   const std::string_view shown = shown_unit(si, q);
-  const auto [verdict, c] = Units::instance().find(or_one(shown), or_one(q.unit));
-  if (verdict != Units::Verdict::kGood) {
+  const auto [verdict, c] = detail::find_unit(or_one(shown), or_one(q.unit));
+  if (verdict != detail::UnitVerdict::kGood) {
     fail("unit " + in_quotes(shown) + " of the program does not convert to " + in_quotes(q.unit));
   }
   if (c.decimal) return with_unit(decimal_text(si, -c.power), shown);

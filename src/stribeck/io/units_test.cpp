@@ -95,6 +95,30 @@ TEST(Units, TorquesOfDataSheetsAreForcesAtADistance) {
   EXPECT_NEAR(to_si("3 lb in2", quantity("kg m2", "kg m2")), 8.77919e-4, 1e-8);
 }
 
+TEST(Units, ReadsImperialUnitsInThePluralAndWithDots) {
+  for (const char* text : {"18 in-lbs", "18 in·lb", "18 lbf.in", "18 lb*in", "18 lbs-in"})
+    EXPECT_NEAR(to_si(text, quantity("N m", "N m")), 18.0 * 0.1129848, 1e-5) << text;
+  EXPECT_NEAR(to_si("0.0012 in-lb-s²", quantity("kg m2", "kg m2")), 0.0012 * 0.1129848, 1e-9);
+  EXPECT_NEAR(to_si("600 lbs", quantity("kg", "kg")), 272.1554, 1e-3);
+  EXPECT_NEAR(to_si("500 IPM", quantity("m/s", "mm/s")), 500.0 * 0.0254 / 60.0, 1e-12);
+  EXPECT_THAT(refusal("600 lbs", quantity("N", "N")), testing::HasSubstr("is a mass"));
+}
+
+// Where turns per minute are meant, the data sheet writes 1/min.
+TEST(Units, ASpeedOfAMotorMayBePerMinute) {
+  for (const char* text : {"3000 min^-1", "3000 1/min", "3000/min", "3000 min-1"})
+    EXPECT_NEAR(to_si(text, quantity("rad/s", "rpm")), 314.159265, 1e-6) << text;
+  EXPECT_THAT(refusal("3000 1/s", quantity("rad/s", "rpm")), testing::HasSubstr("another kind"));
+}
+
+TEST(Units, APureNumberMayBeARatio) {
+  EXPECT_EQ(to_si("5:2", pure_number()), 2.5);
+  EXPECT_EQ(to_si("1 : 50", pure_number()), 0.02);
+  EXPECT_THAT(refusal("5:0", pure_number()), testing::HasSubstr("finite"));
+  EXPECT_THAT(refusal("5:2", quantity("m", "mm")), testing::HasSubstr("not a known unit"));
+  EXPECT_THAT(refusal("5:2:3", pure_number()), testing::HasSubstr("not a known unit"));
+}
+
 TEST(Units, RefusesWhatIsNotMeant) {
   EXPECT_THAT(refusal("5", kLength), testing::HasSubstr("missing unit: write \"5 mm\""));
   EXPECT_THAT(refusal("5 N", kLength), testing::HasSubstr("expected a unit like mm"));

@@ -61,7 +61,7 @@ void sync_folder(const std::string& folder) {
   ::close(fd);
 }
 
-bool at_once = false;  // see WriteAtOnce
+thread_local bool at_once = false;  // see WriteAtOnce
 
 /// What a killed program has left: temporary files that nobody holds locked.
 void remove_abandoned(const std::string& folder) {

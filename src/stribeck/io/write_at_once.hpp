@@ -4,7 +4,7 @@
 
 namespace stribeck::io {
 
-/// While it lives, write_atomically() gives every file its name at once, also inside a WriteTogether. For one thread.
+/// While it lives, write_atomically() gives every file its name at once, also inside a WriteTogether, for the thread that made it.
 class WriteAtOnce {
  public:
   WriteAtOnce() noexcept;

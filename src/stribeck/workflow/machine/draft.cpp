@@ -26,14 +26,19 @@ const Type& scalar_of(const Type& type) {
   return type.kind == Kind::kOptional || type.kind == Kind::kList ? scalar_of(*type.inner) : type;
 }
 
-/// As the file holds it: quoted, unless it is a list, a count or a switch.
+bool is_number(const std::string& value) {
+  const std::string_view digits = value.starts_with('+') ? std::string_view(value).substr(1) : value;
+  return !digits.empty() && digits.find_first_not_of("0123456789.eE+-_") == std::string_view::npos;
+}
+
+/// As the file holds it: quoted, unless it is a list, a plain number or a switch.
 std::string as_toml(const FieldInfo& info, const std::string& value) {
   const Kind kind = scalar_of(*info.type).kind;
-  if (kind == Kind::kChoice || kind == Kind::kText) return '"' + value + '"';
-  const bool bare =
-      kind != Kind::kNumber || (info.quantity.unit.empty() && value.find('%') == std::string::npos);
-  if (bare || (!value.empty() && value[0] == '[')) return value;
-  return '"' + value + '"';
+  if (!value.empty() && value[0] == '[') return value;
+  if (kind == Kind::kSwitch) return value == "true" || value == "false" ? value : '"' + value + '"';
+  const bool text = kind == Kind::kChoice || kind == Kind::kText;
+  const bool bare = !text && info.quantity.unit.empty() && is_number(value);
+  return bare ? value : '"' + value + '"';
 }
 
 std::string full_key(const std::string& axis, const Asked& a) {

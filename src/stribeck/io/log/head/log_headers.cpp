@@ -9,8 +9,8 @@
 #include <stribeck/io/log/head/unit_spellings.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
-#include <stribeck/io/torque_spellings.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/io/units/torque_spellings.hpp>
 #include <utility>
 
 namespace stribeck::io::detail {
