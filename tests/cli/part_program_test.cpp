@@ -90,6 +90,44 @@ TEST_F(PartProgram, ComparesControllers) {
   EXPECT_NE(text_of(f / "report/index.html").find("place φ on the path"), std::string::npos);
 }
 
+// G18 turns from z to x: the arc that bulges to the outside is clockwise.
+TEST_F(PartProgram, RunsOnALathe) {
+  std::string text = text_of(kMachine);
+  for (auto at = text.find("axes.y"); at != std::string::npos; at = text.find("axes.y", at))
+    text[at + 5] = 'z';
+  const std::string lathe = f.write("lathe.toml", text);
+  const auto farthest = [&](const std::string& rotation) {
+    const std::string part =
+        program("SELECT_PLANE(CANON_PLANE_XZ)\n" + kHead + to("3.0000", "0.0000") +
+                "ARC_FEED(4.0000, 3.0000, 2.0000, 3.0000, " + rotation +
+                ", 0.0000, 0.0000, 0.0000, 0.0000)\n" + to("0.0000", "0.0000", "4.0000"));
+    const Said said =
+        command({"simulate", lathe, "--path", part, "--controller", "f", "-o", f / "lathe.csv"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    std::istringstream rows(text_of(f / "lathe.csv"));
+    std::string row;
+    std::size_t column = 0;
+    double most = 0.0;
+    while (std::getline(rows, row)) {
+      std::vector<std::string> cells;
+      std::istringstream in(row);
+      for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+      const auto named =
+          std::find_if(cells.begin(), cells.end(), [](const auto& c) { return c.starts_with("r_x"); });
+      if (named != cells.end())
+        column = static_cast<std::size_t>(named - cells.begin());
+      else if (column > 0 && cells.size() > column)
+        most = std::max(most, std::stod(cells[column]));
+    }
+    return most;
+  };
+  EXPECT_NEAR(farthest("-1"), 5.0, 0.01);
+  EXPECT_NEAR(farthest("1"), 3.0, 0.05);
+  expect_refused(command({"simulate", lathe, "--path", program(kHead + to("1.0000", "5.0000")),
+                          "--controller", "f", "-o", f / "other.csv"}),
+                 {"part.ngc", "move 1", "y = 5 mm", "no axis y"});
+}
+
 TEST_F(PartProgram, WithoutTheInterpreterTellsHowToGetIt) {
   const std::string part = f.write("part.ngc", "G1 X1 F60\nM2\n");
   setenv("PATH", (f / "nothing").c_str(), 1);

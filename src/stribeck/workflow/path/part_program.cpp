@@ -84,6 +84,65 @@ Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machi
   return home;
 }
 
+constexpr std::array<const char*, 3> kLetters{"x", "y", "z"};
+
+/// Sets the axes x, y and z that the machine has, at least two; returns which of the three these are.
+std::vector<std::size_t> use_axes(sim::CompareSpec& spec, const sim::Machine& machine,
+                                  const std::string& machine_file) {
+  spec.axes.clear();
+  std::vector<std::size_t> letters;
+  for (std::size_t k = 0; k < kLetters.size(); ++k) {
+    const auto found = std::find_if(machine.axes.begin(), machine.axes.end(),
+                                    [&](const auto& axis) { return axis.first == kLetters[k]; });
+    if (found == machine.axes.end()) continue;
+    spec.axes.push_back(static_cast<std::size_t>(found - machine.axes.begin()));
+    letters.push_back(k);
+  }
+  if (letters.size() >= 2) return letters;
+  std::string without_model;
+  for (const std::string& name : machine.left_out)
+    without_model += fmt::format("{0}--axis-file {1}=FILE", without_model.empty() ? "" : " ", name);
+  throw io::InputError(
+      {machine_file, 0, "axes",
+       without_model.empty()
+           ? "has not two of the axes x, y and z, expected those that the part program moves"
+           : fmt::format(
+                 "a part program moves two of the axes x, y and z or all three, but there is no model of {} (add {})",
+                 report::listed(machine.left_out), without_model)});
+}
+
+/// Leaves the two coordinates that the machine has as the first two of every move. Refuses moves of the third.
+void keep_axes(std::vector<sim::PartMove>& moves, const std::vector<std::size_t>& letters,
+               const sim::Machine& machine, const std::string& file, const std::string& machine_file) {
+  const std::size_t missing = 3 - letters[0] - letters[1];
+  const std::string name = kLetters[missing];
+  const bool no_model =
+      std::find(machine.left_out.begin(), machine.left_out.end(), name) != machine.left_out.end();
+  // The order x, z, y mirrors the space: what turned counter-clockwise then turns clockwise.
+  const double hand = missing == 1 ? -1.0 : 1.0;
+  const auto ordered = [&](const Vec<double, 3>& p) {
+    return Vec<double, 3>{{p[letters[0]], p[letters[1]], p[missing]}};
+  };
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    sim::PartMove& m = moves[k];
+    m.to = ordered(m.to);
+    m.centre = ordered(m.centre);
+    m.normal = hand * ordered(m.normal);
+    if (std::abs(m.to[2]) <= sim::kExactTolerance && (!m.arc || std::abs(m.normal[2]) >= 1.0)) continue;
+    const bool along = std::abs(m.to[2]) > sim::kExactTolerance;
+    const std::string what = along ? fmt::format("goes to {} = {:.6g} mm", name, m.to[2] * 1e3)
+                                   : fmt::format("is an arc outside of the plane of {} and {}",
+                                                 kLetters[letters[0]], kLetters[letters[1]]);
+    const std::string why = no_model ? fmt::format("there is no model of axis {}", name)
+                                     : fmt::format("{} has no axis {}", machine_file, name);
+    const std::string way_out =
+        no_model ? fmt::format("add --axis-file {}=FILE", name) : "choose another machine";
+    throw io::InputError(
+        {file, 0, fmt::format("move {}", k + 1),
+         fmt::format("{}, but {} (take the moves of {} out, or {})", what, why, name, way_out)});
+  }
+}
+
 template <std::size_t N>
 void plan(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
           const Vec<double, 3>& start, const std::vector<sim::PartMove>& moves) {
@@ -104,33 +163,13 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
     refuse_option("--path", "a part program has its own size and runs once (leave out --size and --laps)");
   const double tolerance =
       option_si("--corner-tolerance", o.corner_tolerance, quantity("m", "um").at_least(1e-9));
-  spec.axes.clear();
-  for (const std::string name : {"x", "y", "z"}) {
-    const auto found = std::find_if(machine.axes.begin(), machine.axes.end(),
-                                    [&](const auto& axis) { return axis.first == name; });
-    if (found != machine.axes.end()) {
-      spec.axes.push_back(static_cast<std::size_t>(found - machine.axes.begin()));
-    } else if (name != "z") {
-      throw io::InputError(
-          {machine_file, 0, "axes",
-           fmt::format("no axis {}, expected x and y, and z if the part program moves it", name)});
-    }
-  }
+  const std::vector<std::size_t> letters = use_axes(spec, machine, machine_file);
   const io::PartProgram program = io::read_part_program(o.path);
   std::vector<sim::PartMove> moves = as_moves(program.moves, tolerance);
+  if (spec.axes.size() == 2) keep_axes(moves, letters, machine, o.path, machine_file);
   std::string note;
   const Vec<double, 3> start = begin_at_home(moves, machine, spec.axes, o.path, note);
   if (spec.axes.size() == 2) {
-    for (std::size_t k = 0; k < moves.size(); ++k) {
-      if (std::abs(moves[k].to[2]) > sim::kExactTolerance ||
-          (moves[k].arc && std::abs(moves[k].normal[2]) < 1.0)) {
-        throw io::InputError(
-            {o.path, 0, fmt::format("move {}", k + 1),
-             fmt::format("goes to z = {:.6g} mm, but {} has no axis z (take the moves of z out, or choose "
-                         "another machine)",
-                         moves[k].to[2] * 1e3, machine_file)});
-      }
-    }
     plan<2>(spec, o, machine, start, moves);
   } else {
     plan<3>(spec, o, machine, start, moves);
