@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -10,6 +9,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/names/column_labels.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/names/proposed_maps.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -48,44 +48,6 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
             "or map another column (to scale a force, use --gain)",
             io::in_quotes(header_of(column)), column.unit_text, unit));
   }
-}
-
-/// Splits the name of a column into signal and axis.
-struct Label {
-  std::string base;
-  std::string axis;
-};
-
-std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
-  std::string name = lower_case(c.name);
-  std::vector<Label> out{{name, {}}};
-  // A signal of LinuxCNC's HAL is divided by hyphens: "x-cmd", "z-pos-cmd".
-  if (name.find('-') != std::string::npos) {
-    std::replace(name.begin(), name.end(), '-', '_');
-    out.push_back({name, {}});
-  }
-  for (const char mark : {'|', '/'}) {
-    const auto at = name.rfind(mark);
-    if (at != std::string::npos && at > 0 && at + 1 < name.size())
-      out.push_back({name.substr(0, at), name.substr(at + 1)});
-  }
-  const auto bar = name.find_first_of("_ ");  // "z_pos", "z scale"
-  if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
-    const std::string prefix = name.substr(0, bar);
-    const bool is_axis =
-        std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos &&
-        std::all_of(prefix.begin() + 1, prefix.end(), [](unsigned char d) { return std::isdigit(d); });
-    if (is_axis) out.push_back({name.substr(bar + 1), prefix});
-  }
-  const auto digit = name.find_last_not_of("0123456789");
-  // "r0078" is a parameter of a drive.
-  if (digit != std::string::npos && digit + 1 < name.size() &&
-      (name[digit + 1] != '0' || digit + 2 == name.size()))
-    out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
-  const auto last = name.rfind('_');
-  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower_case(axis))
-    out.push_back({name.substr(0, last), lower_case(axis)});
-  return out;
 }
 
 /// In a log that calls its axes X1, X2, … "x" is the axis X1; in the metadata "X1" may stand for the axis 1.
@@ -146,7 +108,7 @@ bool calls_a_position(const io::Log& log, const std::string& axis) {
   const KnownColumn& position = known_column(LogQuantity::kPosition);
   return std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
     if (c.values.empty()) return false;
-    for (const Label& label : labels_of(c, axis)) {
+    for (const Label& label : labels_in(log, c, axis)) {
       for (const auto& family : position.families) {
         if (std::find(family.begin(), family.end(), label.base) != family.end()) return true;
       }
@@ -160,7 +122,7 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
   std::vector<Candidate> out;
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
-    for (const Label& label : labels_of(c, axis)) {
+    for (const Label& label : labels_in(log, c, axis)) {
       bool done = false;
       for (std::size_t f = 0; f < k.families.size() && !done; ++f) {
         const auto at = std::find(k.families[f].begin(), k.families[f].end(), label.base);

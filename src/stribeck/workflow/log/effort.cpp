@@ -51,6 +51,21 @@ bool is_of_supply(const std::string& name) {
   return any_word(words, kWords) || (any_word(words, kDirect) && any_word(words, kLink));
 }
 
+/// How to name the force: where several columns have one unit for it, with their names, added or one of them.
+std::string how_to_name(const std::vector<NamedColumn>& some) {
+  const auto alike = [&](const NamedColumn& n) { return n.unit == some.front().unit; };
+  if (some.size() < 2 || !std::all_of(some.begin(), some.end(), alike))
+    return "name it with --map force=\"COLUMN UNIT\", or torque, current, voltage, percent, pressure";
+  const std::string_view what = enum_name(kind_by_unit(some.front().unit, LogQuantity::kForce));
+  std::string sum;
+  for (const NamedColumn& n : some) sum += (sum.empty() ? "" : " + ") + header_of(*n.column);
+  return fmt::format(
+      "{} columns have the unit {}: name that of this axis, --map {}=\"{} {}\", or of motors that drive it together "
+      "--map {}=\"{} {}\"",
+      some.size(), some.front().unit, what, header_of(*some.front().column), some.front().unit, what, sum,
+      some.front().unit);
+}
+
 /// All columns that could be the force, and messages on columns that could not be distinguished.
 struct Candidates {
   std::vector<Effort> efforts;
@@ -108,9 +123,8 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
   throw io::InputError(
       {columns.log().source, 0, "force",
        fmt::format(
-           "no column for the force, nor for torque, current, voltage or percent; the log has {} "
-           "(name it with --map force=\"COLUMN UNIT\", or torque, current, voltage, percent, pressure)",
-           column_names(columns.log()))});
+           "no column for the force, nor for torque, current, voltage or percent; the log has {} ({})",
+           column_names(columns.log()), how_to_name(some))});
 }
 
 /// A force, or a torque that the lead converts to a force.

@@ -66,6 +66,36 @@ std::string refusal(const std::string& text, const workflow::LogOptions& options
 constexpr std::size_t kRow = 123;
 double x_at() { return 0.05 * std::sin(2.0 * std::numbers::pi * 0.123); }
 
+// The names of a log of one axis, x_act and x_cmd, are those of the axis X where there is another axis.
+TEST(LogAxis, AnAxisHasItsOwnColumns) {
+  for (const std::string form :
+       {"_act", "_cmd+_act", "_ref+_act", "_soll+_ist", " act", "_pos", "_fb", "-cmd+-act", "_actual"}) {
+    for (const std::string other : {"Y", "Z", "C"}) {
+      std::string header = "t [s]";
+      std::vector<std::string> what{"t"};
+      const auto plus = form.find('+');
+      const std::string measured = plus == std::string::npos ? form : form.substr(plus + 1);
+      for (const std::string& axis : {std::string("X"), other}) {
+        const std::string value = axis == "X" ? "x_mm" : "v_mm_min";
+        if (plus != std::string::npos) {
+          header += fmt::format(",{}{} [mm]", axis, form.substr(0, plus));
+          what.push_back(value);
+        }
+        header += fmt::format(",{}{} [mm],{}_force [N]", axis, measured, axis);
+        what.insert(what.end(), {value, "f"});
+      }
+      const std::string text = csv(header, what);
+      workflow::LogOptions options;
+      options.axis = "X";
+      EXPECT_LT(std::abs(axis_of(text, options).x.y[100]), 0.06) << header;
+      options.axis = other;
+      EXPECT_GT(std::abs(axis_of(text, options).x.y[100]), 1.0) << header;
+      options.axis.clear();
+      EXPECT_THAT(refusal(text, options), HasSubstr("--axis NAME")) << header;
+    }
+  }
+}
+
 TEST(LogAxis, NamesOfTheControls) {
   struct Case {
     std::string header;

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <stribeck/io/error.hpp>
@@ -32,9 +34,11 @@ const io::Column& column_for(const io::Log& log, const std::string& option, cons
 }
 
 std::optional<double> as_number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (end == text.c_str() || *end != '\0') return std::nullopt;
+  // Whatever the decimal sign of the process that calls is.
+  double value = 0.0;
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include <stribeck/workflow/log/names/column_labels.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
+  std::string name = lower_case(c.name);
+  std::vector<Label> out{{name, {}}};
+  // A signal of LinuxCNC's HAL is divided by hyphens: "x-cmd", "z-pos-cmd".
+  if (name.find('-') != std::string::npos) {
+    std::replace(name.begin(), name.end(), '-', '_');
+    out.push_back({name, {}});
+  }
+  for (const char mark : {'|', '/'}) {
+    const auto at = name.rfind(mark);
+    if (at != std::string::npos && at > 0 && at + 1 < name.size())
+      out.push_back({name.substr(0, at), name.substr(at + 1)});
+  }
+  const auto bar = name.find_first_of("_ ");  // "z_pos", "z scale"
+  if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
+    const std::string prefix = name.substr(0, bar);
+    const bool is_axis =
+        std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos &&
+        std::all_of(prefix.begin() + 1, prefix.end(), [](unsigned char d) { return std::isdigit(d); });
+    if (is_axis) out.push_back({name.substr(bar + 1), prefix});
+  }
+  const auto digit = name.find_last_not_of("0123456789");
+  // "r0078" is a parameter of a drive.
+  if (digit != std::string::npos && digit + 1 < name.size() &&
+      (name[digit + 1] != '0' || digit + 2 == name.size()))
+    out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
+  const auto last = name.rfind('_');
+  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower_case(axis))
+    out.push_back({name.substr(0, last), lower_case(axis)});
+  return out;
+}
+
+/// "y_act": axis and the rest; an empty axis where the name does not begin with one.
+Label lettered(const io::Column& c) {
+  std::string name = lower_case(c.name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  if (name.size() < 3 || name[1] != '_' ||
+      std::string_view("xyzabcuvw").find(name[0]) == std::string_view::npos)
+    return {};
+  return {name.substr(2), name.substr(0, 1)};
+}
+
+}  // namespace
+
+std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std::string& axis) {
+  const Label own = lettered(c);
+  const std::string wanted = lower_case(axis);
+  const auto another = [&](const io::Column& other) {
+    const Label label = lettered(other);
+    if (other.values.empty() || label.base != own.base || label.axis == own.axis) return false;
+    const bool plain = std::string_view("xyz").find(own.axis) != std::string_view::npos &&
+                       std::string_view("xyz").find(label.axis) != std::string_view::npos;
+    return plain || label.axis == wanted || own.axis == wanted;
+  };
+  if (!own.axis.empty() && std::any_of(log.columns.begin(), log.columns.end(), another))
+    return {{"x_" + own.base, own.axis}, {own.base, own.axis}};
+  return labels_of(c, axis);
+}
+
+}  // namespace stribeck::workflow
