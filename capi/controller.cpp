@@ -26,6 +26,9 @@ Value initial_settings() noexcept { return initial_of(type_of<capi::AxisSettings
 double kp_of(const capi::AxisSettings& s) noexcept { return s.kp.value_or(s.omega * s.omega); }
 double kv_of(const capi::AxisSettings& s) noexcept { return s.kv.value_or(2.0 * s.omega); }
 
+/// (ω·T)² of the slowest loop that is taken: below it the test of stability has no digits left.
+constexpr double kSlowestLoop = 1e-10;
+
 /// One element of a law's list: the value that was set, or the law's default for this direction.
 void put(control::PerAxis& list, const control::PerAxis& otherwise, std::size_t i,
          const std::optional<double>& set) {
@@ -40,8 +43,10 @@ void gather(const Controller<N>& c, double period, control::ContouringParams& p,
   for (std::size_t i = 0; i < N; ++i) {
     p.kp.push_back(kp_of(c.settings[i]));
     p.kv.push_back(kv_of(c.settings[i]));
-    if (!control::sampled_loop_stable(p.kp[i], p.kv[i], 0.0, period))
-      refuse(i, c.settings[i].kp || c.settings[i].kv ? "kp" : "omega", "unstable at this period");
+    const bool too_slow = p.kp[i] * period * period < kSlowestLoop;
+    if (too_slow || !control::sampled_loop_stable(p.kp[i], p.kv[i], 0.0, period))
+      refuse(i, c.settings[i].kp || c.settings[i].kv ? "kp" : "omega",
+             too_slow ? "too slow at this period" : "unstable at this period");
   }
 }
 
@@ -190,6 +195,12 @@ stribeck_result configure(Controller<N>& c, double period) {
       c.problem.set({kAxis[i], "delay: longer than eight periods"});
       return STRIBECK_REFUSED;
     }
+    const friction::AxisModel& model = c.settings[i].compensation.model;
+    if (c.settings[i].force_limit && !model.drive_loop &&
+        std::abs(model.load) >= *c.settings[i].force_limit) {
+      c.problem.set({kAxis[i], "load: not below force_limit, which could not hold it"});
+      return STRIBECK_REFUSED;
+    }
     if (!control::rate_is_known(c.settings[0].error_rate, c.settings[i].compensation.observer)) {
       c.problem.set({kAxis[i], "error_rate: ", control::kRateIsUnknown});
       return STRIBECK_REFUSED;
@@ -242,7 +253,7 @@ const char* stribeck_describe(stribeck_result r) noexcept {
     case STRIBECK_NOT_CONFIGURED:
       return "configure first";
     case STRIBECK_NOT_FINITE:
-      return "an input was not a finite number";
+      return "an input was not a finite number, or numbers overflowed";
     case STRIBECK_NO_MEMORY:
       return "out of memory";
     case STRIBECK_FAULT:

@@ -34,7 +34,8 @@ class Problem {
   void set(std::initializer_list<std::string_view> parts) noexcept {
     std::size_t n = 0;
     for (const std::string_view part : parts) {
-      const std::size_t m = std::min(part.size(), text_.size() - 1 - n);
+      // A part of the caller's own, such as a name, leaves room for the reason.
+      const std::size_t m = std::min({part.size(), kLongestPart, text_.size() - 1 - n});
       std::copy_n(part.data(), m, text_.data() + n);
       n += m;
     }
@@ -43,6 +44,7 @@ class Problem {
   [[nodiscard]] const char* text() const noexcept { return text_.data(); }
 
  private:
+  static constexpr std::size_t kLongestPart = 150;
   std::array<char, 200> text_{};
 };
 

@@ -40,6 +40,16 @@ stribeck_result guarded(stribeck_plant* p, F&& f) noexcept {
 
 Value initial() noexcept { return initial_of(type_of<plant::AxisParams>); }
 
+stribeck_result not_configured(stribeck_plant& p) {
+  p.problem.set({"not configured: call stribeck_plant_configure() first"});
+  return STRIBECK_NOT_CONFIGURED;
+}
+
+/// Whether the state is still one of numbers; after an overflow only a start helps.
+bool in_motion(const plant::Axis& axis) {
+  return std::isfinite(axis.position()) && std::isfinite(axis.velocity());
+}
+
 }  // namespace
 
 extern "C" {
@@ -102,7 +112,7 @@ stribeck_result stribeck_plant_configure(stribeck_plant* p, double period, doubl
 stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::uint64_t seed,
                                      std::int32_t substeps) noexcept {
   return guarded(p, [&]() -> stribeck_result {
-    if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+    if (!p->axis) return not_configured(*p);
     if (!std::isfinite(position) || substeps < 1 || substeps > 1000) {
       p->problem.set(
           {std::isfinite(position) ? "substeps: expected 1 to 1000" : "position: expected a number"});
@@ -118,20 +128,20 @@ stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::ui
 
 stribeck_result stribeck_plant_step(stribeck_plant* p, double voltage, double load) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;
-  if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+  if (!p->axis) return not_configured(*p);
   if (p->axis->has_loop()) {
     p->problem.set({"drive_loop: this drive takes a command: stribeck_plant_step_command()"});
     return STRIBECK_REFUSED;
   }
   const bool finite = std::isfinite(voltage) && std::isfinite(load);
   p->axis->step(std::isfinite(voltage) ? voltage : 0.0, std::isfinite(load) ? load : 0.0);
-  return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
+  return finite && in_motion(*p->axis) ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
 
 stribeck_result stribeck_plant_step_command(stribeck_plant* p, double command, double offset,
                                             double load) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;
-  if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+  if (!p->axis) return not_configured(*p);
   if (!p->axis->has_loop()) {
     p->problem.set({"drive_loop: this drive has none"});
     return STRIBECK_REFUSED;
@@ -139,7 +149,7 @@ stribeck_result stribeck_plant_step_command(stribeck_plant* p, double command, d
   const bool finite = std::isfinite(command) && std::isfinite(offset) && std::isfinite(load);
   if (std::isfinite(command)) p->last_command = command;
   p->axis->step(p->last_command, std::isfinite(load) ? load : 0.0, std::isfinite(offset) ? offset : 0.0);
-  return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
+  return finite && in_motion(*p->axis) ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
 
 double stribeck_plant_get(const stribeck_plant* p, stribeck_plant_signal signal) noexcept {

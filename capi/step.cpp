@@ -33,6 +33,16 @@ void forget(Controller<N>& c) {
   if constexpr (N > 1) renew(c.frame.state);
 }
 
+/// After finite inputs that made numbers overflow: what the law remembers may be no number any more. Its last forces stay.
+template <class State>
+[[gnu::noinline]] void begin_anew(State& s) {
+  const auto force = s.force;
+  const StatusCounter status = s.status;
+  renew(s);
+  s.force = force;
+  s.status = status;
+}
+
 /// Reads one point of the reference; returns true when it is finite.
 template <std::size_t N>
 bool point_from(const stribeck_axis_input* in, path::PathPoint<N>& r) {
@@ -74,7 +84,8 @@ template <std::size_t N>
   if (c.watch.fault == control::Fault::kNone) {
     c.drives.command(c.commands, law, r, measured, force);
   } else {
-    c.drives.stop(c.commands, r, measured, force, c.supervisor.limits(0).stop_periods);
+    c.drives.stop(c.commands, r, measured, force, c.supervisor.limits(0).stop_periods,
+                  control::Supervisor<N>::reaction_to(c.watch) == control::Reaction::kCut);
   }
 }
 
@@ -96,22 +107,26 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
   }
   Vec<double, N> f;
   const bool runs = capi::with_law(c, [&](auto& running) {
-    if (!admit<N>(c, running.state, r, measured)) {
-      f = stopped(c);
-      return;
-    }
-    c.drives.admit(c.commands, running.state, c.measured_force);
-    if constexpr (requires { running.ahead; }) {
-      if (points > 1) {
-        const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
-        running.ahead[0] = r;
-        for (std::size_t k = 1; k < n; ++k) finite = point_from(in + k * N, running.ahead[k]) && finite;
-        f = running.law.step(running.state, std::span(running.ahead).first(n), measured);
-        f = judge<N>(c, running.state, r, f);
-        return;
+    const std::uint32_t overflows = running.state.status.count(Status::kNotFinite);
+    const auto forces = [&] {
+      if (!admit<N>(c, running.state, r, measured)) return stopped(c);
+      c.drives.admit(c.commands, running.state, c.measured_force);
+      if constexpr (requires { running.ahead; }) {
+        if (points > 1) {
+          const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
+          running.ahead[0] = r;
+          for (std::size_t k = 1; k < n; ++k) finite = point_from(in + k * N, running.ahead[k]) && finite;
+          const auto wanted = running.law.step(running.state, std::span(running.ahead).first(n), measured);
+          return judge<N>(c, running.state, r, wanted);
+        }
       }
+      return judge<N>(c, running.state, r, step_of(running, r, measured));
+    };
+    f = forces();
+    if (finite && running.state.status.count(Status::kNotFinite) != overflows) {
+      finite = false;
+      begin_anew(running.state);
     }
-    f = judge<N>(c, running.state, r, step_of(running, r, measured));
   });
   if (!runs) {
     c.problem.set({"not configured: call stribeck_controller_configure() before the first step"});
@@ -138,7 +153,7 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
     out.disturbance = s.guard.trust * s.estimate;
     out.error = common.error[i].e;
     out.error_rate = common.error[i].rate;
-    if (c.setup.compensation[i].adaptation.enabled)
+    if (c.setup.compensation[i].adaptation.enabled && control::knows_force(c.setup.compensation[i]))
       out.level = control::DriftMonitor::report(s.drift, s.adaptation, c.period).level;
     out.command = c.commands[i].command;
     out.offset = c.commands[i].offset;

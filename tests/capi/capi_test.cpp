@@ -851,6 +851,8 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   EXPECT_EQ(h.configure(), STRIBECK_OK) << h.problem();
   h.choose("law", "contouring").set("omega", 3000.0);
   expect(h, "axis 0: omega: unstable at this period");
+  h.set("omega", 1e-3);
+  expect(h, "axis 0: omega: too slow at this period");
   EXPECT_EQ(stribeck_controller_configure(h.c, 1e-300), STRIBECK_BAD_ARGUMENT);
   EXPECT_STREQ(stribeck_controller_problem(h.c), "period: expected at least 1 us and below 1 s");
   h.choose("law", "predictive").set("omega", 1200.0);
@@ -902,6 +904,94 @@ TEST(CLaws, SlidingModeStaysWithinItsMeansAtRestAtACornerAndAtAReversal) {
       // 900 kg·0.1 m/s², 20 N + 4000 Ns/m·0.01 m/s, 900·(3600·0.1 µm + 120·0.1 mm/s) = 11 N, k: 900·(γ_most 0.1) at most.
       EXPECT_LT(most, 90.0 + 60.0 + 11.0 + 90.0) << switching << ' ' << gain;
       EXPECT_GT(std::abs(last[1]), 0.0);
+    }
+  }
+}
+
+// Supervision holds the force back until the axis has moved as it says; a load beyond the limit must not lift the limit.
+TEST(CInterface, ForcesStayWithinTheLimitBesideALoad) {
+  for (const double load : {-59.0, 59.0}) {
+    Handle h(1);
+    h.set("mass", 12.0)
+        .set("friction.conventional.alpha0", 5.0)
+        .set("omega", 40.0)
+        .set("force_limit", 60.0)
+        .set("load", load)
+        .choose("supervision.checks", "all");
+    h.configure();
+    for (int k = 0; k < 20; ++k) {
+      const stribeck_axis_input in{load > 0.0 ? 0.1 : -0.1, 0.0, 0.0, 0.0};
+      double force = 0.0;
+      stribeck_controller_step(h.c, &in, &force);
+      ASSERT_LE(std::abs(force), 60.0);
+    }
+    EXPECT_EQ(stribeck_controller_set(h.c, 0, "load", load > 0.0 ? 61.0 : -61.0), STRIBECK_OK);
+    EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+    EXPECT_STREQ(stribeck_controller_problem(h.c),
+                 "axis 0: load: not below force_limit, which could not hold it");
+  }
+}
+
+TEST(CInterface, AStopWithoutAForceLimitHasFiniteForces) {
+  Handle h(1);
+  h.set("mass", 1000.0).set("omega", 40.0).set("friction.conventional.alpha0", 5.0);
+  h.configure();
+  for (int k = 0; k < 200; ++k) {
+    const stribeck_axis_input in{0.0, 0.0, 0.0, k < 100 ? 0.0 : k == 100 ? 1e304 : kNan};
+    double force = 0.0;
+    stribeck_controller_step(h.c, &in, &force);
+    ASSERT_TRUE(std::isfinite(force)) << k;
+  }
+}
+
+TEST(CInterface, APlantThatOverflowsSaysSo) {
+  stribeck_plant* plant = nullptr;
+  ASSERT_EQ(stribeck_plant_create(&plant), STRIBECK_OK);
+  for (const auto& [name, value] : {std::pair{"mass", 1000.0},
+                                    {"current.gain", 25.0},
+                                    {"friction.conventional.alpha0", 18.0},
+                                    {"encoder.resolution", 1e-7}}) {
+    ASSERT_EQ(stribeck_plant_set(plant, name, value), STRIBECK_OK) << name;
+  }
+  ASSERT_EQ(stribeck_plant_choose(plant, "friction.dynamics", "lugre"), STRIBECK_OK);
+  ASSERT_EQ(stribeck_plant_set(plant, "friction.lugre.sigma0", 7e6), STRIBECK_OK);
+  ASSERT_EQ(stribeck_plant_configure(plant, kPeriod, 1.0), STRIBECK_OK) << stribeck_plant_problem(plant);
+  ASSERT_EQ(stribeck_plant_step(plant, 0.0, 0.0), STRIBECK_OK);
+  stribeck_result result = STRIBECK_OK;
+  for (int k = 0; k < 3; ++k) result = stribeck_plant_step(plant, 0.0, 1e300);
+  EXPECT_EQ(result, STRIBECK_NOT_FINITE);
+  stribeck_plant_destroy(plant);
+}
+
+// Memory that was not initialised, or bytes in the wrong order: finite, but no position of a machine.
+TEST(CLaws, OneSampleThatOverflowsIsToldAndForgotten) {
+  for (const char* law : {"contouring", "sliding-mode", "predictive", "learning"}) {
+    for (const char* observer : {"none", "disturbance", "kalman"}) {
+      for (const double wild : {1e306, -1e308, 1e200}) {
+        WithLaw h(1, law, law);
+        h.set("mass", 1000.0).set("omega", 40.0).set("force_limit", 600.0);
+        h.set("friction.conventional.alpha0", 5.0)
+            .choose("feedforward", "steady")
+            .choose("observer", observer);
+        if (std::string_view(law) == "learning") h.set("learning.lap", 1.0);
+        ASSERT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+        double x = 0.0;
+        double v = 0.0;
+        for (int k = 0; k < 20000; ++k) {
+          const double t = k * kPeriod;
+          const stribeck_axis_input in{1e-2 * std::sin(t), 1e-2 * std::cos(t), -1e-2 * std::sin(t),
+                                       k == 100 ? wild : x};
+          double force = 0.0;
+          const stribeck_result result = stribeck_controller_step(h.c, &in, &force);
+          ASSERT_TRUE(std::isfinite(force) && std::abs(force) <= 600.0);
+          if (k < 100 || k > 105) {
+            ASSERT_EQ(result, STRIBECK_OK) << law << ' ' << observer << ' ' << wild << ' ' << k;
+          }
+          v += kPeriod * (force - 5.0 * std::tanh(v / 1e-4)) / 1000.0;
+          x += kPeriod * v;
+        }
+        EXPECT_NEAR(x, 1e-2 * std::sin(20.0), 1e-3) << law << ' ' << observer << ' ' << wild;
+      }
     }
   }
 }

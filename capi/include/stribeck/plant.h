@@ -32,7 +32,8 @@ stribeck_result stribeck_plant_configure(stribeck_plant*, double period,
 stribeck_result stribeck_plant_start(stribeck_plant*, double position, uint64_t seed,
                                      int32_t substeps) STRIBECK_NOEXCEPT;
 
-/* One period under a voltage [V], of a drive without drive_loop; what is not finite counts as 0 and is answered with STRIBECK_NOT_FINITE. `load` [N] acts on the
+/* One period under a voltage [V], of a drive without drive_loop; what is not finite counts as 0 and is answered with STRIBECK_NOT_FINITE,
+ * as is a motion that has overflowed (start again). `load` [N] acts on the
  * table against the positive direction. */
 stribeck_result stribeck_plant_step(stribeck_plant*, double voltage, double load) STRIBECK_NOEXCEPT;
 

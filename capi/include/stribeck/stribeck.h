@@ -53,7 +53,8 @@ enum {
       -5,                /* belongs to a kind of model that is not chosen: set e.g. friction.steady first */
   STRIBECK_REFUSED = -6, /* the parameters together mean nothing; see problem() */
   STRIBECK_NOT_CONFIGURED = -7, /* step before configure */
-  STRIBECK_NOT_FINITE = -8,     /* an input was NaN or infinite; the forces are the last ones */
+  STRIBECK_NOT_FINITE =
+      -8, /* an input was NaN or infinite, or numbers overflowed, and the law begins anew; the forces are the last ones */
   STRIBECK_NO_MEMORY = -9,
   STRIBECK_FAULT = -10 /* supervision has stopped the axes; the forces are those of the stop */
 };

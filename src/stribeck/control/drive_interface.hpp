@@ -17,7 +17,8 @@
 /// if not, they rest (setup.hpp), and the integral of the drive takes what the model does not explain.
 /// The integral of the drive holds the axis before the first period. The first U is taken as that force, so that nothing jumps; a
 /// constant part of U is left to the integral anyway.
-/// After a fault the axis stops by its own loop: set points run out with constant deceleration within the stop time.
+/// After a fault the axis stops by its own loop: set points run out with constant deceleration within the stop time. A force offset
+/// goes with them to 0, or to the load where the drive has no integral that could hold it; after a wrong sign to 0 at once.
 /// Source: Stribeck's own; docs/theory/drive-modes.md.
 /// Not modelled: cycle, delay, filters and limits of the drive.
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite.
@@ -50,9 +51,10 @@ class DriveCommand {
   };
 
   DriveCommand() = default;
-  DriveCommand(const friction::DriveLoop& loop, double delay, double period) noexcept
+  DriveCommand(const friction::DriveLoop& loop, double load, double delay, double period) noexcept
       : loop_(loop),
         stiffness_(loop.stiffness()),
+        load_(load),
         delay_(delay),
         period_(period),
         integral_step_(stiffness_ * period) {
@@ -99,11 +101,17 @@ class DriveCommand {
     }
   }
 
-  /// One period of a stop that takes `periods` in all.
-  void stop(State& s, int periods) const noexcept {
+  /// One period of a stop that takes `periods` in all. `cut`: no force offset from now on.
+  void stop(State& s, int periods, bool cut) const noexcept {
     if (s.left < 0) s.left = periods;
     const double share = s.left > 0 ? static_cast<double>(s.left - 1) / s.left : 0.0;
     if (s.left > 0) --s.left;
+    if (cut) {
+      s.offset = 0.0;
+    } else if (loop_.force_offset) {
+      const double rest = stiffness_ > 0.0 ? 0.0 : load_;
+      s.offset = rest + share * (s.offset - rest);
+    }
     const double velocity = share * s.velocity;
     s.command = loop_.mode == friction::DriveMode::kVelocity
                     ? velocity
@@ -114,6 +122,7 @@ class DriveCommand {
  private:
   friction::DriveLoop loop_;
   double stiffness_ = 0.0;  ///< K/T_n [N/m]
+  double load_ = 0.0;       ///< [N]
   double delay_ = 0.0;      ///< from the sample to the beginning of the hold [s]
   double period_ = 1e-3;
   double integral_step_ = 0.0;  ///< K·T/T_n [N·s/m]
@@ -134,14 +143,15 @@ class DriveInterface {
       const CompensationParams& c = setup.compensation[i];
       mass_[i] = c.model.mass;
       present_[i] = c.model.drive_loop.has_value();
-      if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.delay, setup.period);
+      reports_[i] = present_[i] && c.model.drive_loop->force_feedback;
+      if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.model.load, c.delay, setup.period);
     }
   }
 
   /// Before the law: tells it the mean forces of the past period that the drives report [N]; NaN: none.
   void admit(const State& s, Law& law, const V& acted) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      if (present_[i] && s[i].started && isfinite(acted[i])) law.compensation[i].force[0] = acted[i];
+      if (reports_[i] && s[i].started && isfinite(acted[i])) law.compensation[i].force[0] = acted[i];
     }
   }
   /// After the law, for the forces that are to act. What is not finite leaves the commands as they are.
@@ -161,13 +171,13 @@ class DriveInterface {
       }
     }
   }
-  /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N].
-  void stop(State& s, const path::PathPoint<N>& r, const V& measured, const V& force,
-            int periods) const noexcept {
+  /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N]; cut: see DriveCommand.
+  void stop(State& s, const path::PathPoint<N>& r, const V& measured, const V& force, int periods,
+            bool cut) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (present_[i]) {
         axes_[i].wait(s[i], measured[i], r.position[i]);
-        axes_[i].stop(s[i], periods);
+        axes_[i].stop(s[i], periods, cut);
       } else {
         s[i].command = force[i];
       }
@@ -178,7 +188,9 @@ class DriveInterface {
  private:
   std::array<DriveCommand, N> axes_;
   std::array<bool, N> present_{};
-  V mass_;  ///< [kg]
+  std::array<bool, N>
+      reports_{};  ///< the drive says which force it makes; of another one a host may hand over anything
+  V mass_;         ///< [kg]
 };
 
 }  // namespace stribeck::control

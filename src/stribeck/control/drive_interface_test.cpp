@@ -52,7 +52,7 @@ class BlockedDrive {
 
 /// Largest difference between the force that is wanted and the one that a blocked drive makes, as a share of its amplitude.
 double worst(const DriveLoop& loop) {
-  const DriveCommand command(loop, 0.0, kPeriod);
+  const DriveCommand command(loop, 0.0, 0.0, kPeriod);
   DriveCommand::State s;
   BlockedDrive drive(loop, 300.0);
   double most = 0.0;
@@ -85,7 +85,7 @@ TEST(DriveCommand, NothingJumpsWhenTheDriveAlreadyHoldsTheLoad) {
   for (const bool offset : {false, true}) {
     DriveLoop loop = velocity_loop();
     loop.force_offset = offset;
-    const DriveCommand command(loop, 0.0, kPeriod);
+    const DriveCommand command(loop, 0.0, 0.0, kPeriod);
     DriveCommand::State s;
     for (int k = 0; k < 3; ++k) {
       command.step(s, 1760.0, 0.0, {});
@@ -98,13 +98,13 @@ TEST(DriveCommand, NothingJumpsWhenTheDriveAlreadyHoldsTheLoad) {
 TEST(DriveCommand, IntegratesTheAccelerationOfTheLawFromTheDelayedStart) {
   constexpr double kDelay = 0.4e-3;
   constexpr DriveCommand::Start kStart{0.1, 0.02, 3.0};
-  const DriveCommand velocity(velocity_loop(), kDelay, kPeriod);
+  const DriveCommand velocity(velocity_loop(), 0.0, kDelay, kPeriod);
   DriveCommand::State s;
   velocity.step(s, 50.0, 3.0, kStart);
   EXPECT_NEAR(s.command, 0.02 + 3.0 * 0.9e-3, 1e-15);
   velocity.step(s, 50.0, -1.0, kStart);
   EXPECT_NEAR(s.command, 0.02 + 3.0 * 1.4e-3 - 0.5e-3, 1e-15);
-  const DriveCommand position(position_loop(1.0), kDelay, kPeriod);
+  const DriveCommand position(position_loop(1.0), 0.0, kDelay, kPeriod);
   DriveCommand::State p;
   position.step(p, 50.0, 3.0, kStart);
   // The end of the hold; the part 3.0·delay²/2 = 0.24 µm before it is left out.
@@ -112,28 +112,48 @@ TEST(DriveCommand, IntegratesTheAccelerationOfTheLawFromTheDelayedStart) {
 }
 
 TEST(DriveCommand, WithoutFeedforwardTheDriveIsLedByItsLag) {
-  const DriveCommand position(position_loop(0.0), 0.0, kPeriod);
+  const DriveCommand position(position_loop(0.0), 0.0, 0.0, kPeriod);
   DriveCommand::State s;
   position.step(s, 50.0, 0.0, {0.1, 0.02, 0.0});
   EXPECT_NEAR(s.command - (0.1 + 0.02 * kPeriod), 0.02 / 50.0, 1e-15);
 }
 
 TEST(DriveCommand, StopsWithConstantDeceleration) {
-  const DriveCommand velocity(velocity_loop(), 0.0, kPeriod);
-  const DriveCommand position(position_loop(1.0), 0.0, kPeriod);
+  const DriveCommand velocity(velocity_loop(), 0.0, 0.0, kPeriod);
+  const DriveCommand position(position_loop(1.0), 0.0, 0.0, kPeriod);
   DriveCommand::State v;
   DriveCommand::State p;
   velocity.step(v, 0.0, 0.0, {0.0, 0.05, 0.0});
   position.step(p, 0.0, 0.0, {0.0, 0.05, 0.0});
   const double begun = p.command;
   for (int k = 1; k <= 50; ++k) {
-    velocity.stop(v, 50);
-    position.stop(p, 50);
+    velocity.stop(v, 50, false);
+    position.stop(p, 50, false);
     EXPECT_NEAR(v.command, 0.05 * (50 - k) / 50.0, 1e-12);
   }
   EXPECT_NEAR(p.command - begun, 0.5 * 0.05 * 50e-3, 1e-12);
-  velocity.stop(v, 50);
+  velocity.stop(v, 50, false);
   EXPECT_EQ(v.command, 0.0);
+}
+
+// A weight stays carried where the drive has no integral that could do it; friction and inertia of the last period do not stay.
+TEST(DriveCommand, AStopTakesTheForceOffsetAway) {
+  constexpr double kLoad = 176.0;
+  friction::DriveLoop loop = velocity_loop();
+  loop.force_offset = true;
+  const auto offset_after = [&](bool integral, bool cut, int periods) {
+    if (!integral) loop.integral_time.reset();
+    const DriveCommand drive(loop, kLoad, 0.0, kPeriod);
+    DriveCommand::State s;
+    drive.step(s, 200.0, 0.0, {0.0, 0.05, 0.0});
+    drive.step(s, 1200.0, 1.0, {0.0, 0.05, 0.0});
+    for (int k = 0; k < periods; ++k) drive.stop(s, 50, cut);
+    return s.offset;
+  };
+  EXPECT_NEAR(offset_after(true, false, 25), 500.0, 1e-9);
+  EXPECT_EQ(offset_after(true, false, 50), 0.0);
+  EXPECT_EQ(offset_after(false, true, 1), 0.0);
+  EXPECT_NEAR(offset_after(false, false, 50), kLoad, 1e-12);
 }
 
 Setup<1> setup_with(std::optional<DriveLoop> loop, Observer observer) {

@@ -45,11 +45,15 @@ struct Setup {
   Vec<double, N> force_limit = spread<N>({}, std::numeric_limits<double>::infinity());  ///< [N]
 };
 
-/// Without observer and adaptation if the drive closes a loop of its own and does not report its force: they would take what its
-/// loop does for a disturbance.
+/// Whether the force that acts is known: a drive that closes a loop of its own must report it.
+constexpr bool knows_force(const CompensationParams& p) noexcept {
+  return !p.model.drive_loop || p.model.drive_loop->force_feedback;
+}
+
+/// Without observer and adaptation where the force is not known: they would take what the drive's loop does for a disturbance.
 constexpr CompensationParams with_known_force(const CompensationParams& params) noexcept {
   CompensationParams p = params;
-  if (p.model.drive_loop && !p.model.drive_loop->force_feedback) {
+  if (!knows_force(p)) {
     p.observer = Observer::kNone;
     p.adaptation.enabled = false;
   }
@@ -68,6 +72,8 @@ class Common {
     std::array<bool, N> bridged{};
     /// The sample may be slightly wild but is used: adaptation rests, observers continue. Set by supervision.
     std::array<bool, N> doubtful{};
+    /// Supervision has limited the last force until the sign of the axis is proven: an integral would only wind up. Set by supervision.
+    std::array<bool, N> cut{};
     StatusCounter status;
   };
 
@@ -93,6 +99,7 @@ class Common {
       TrackingError& e = s.error[i];
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
       compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i], s.doubtful[i]);
+      compensation_[i].forget_beyond(s.compensation[i], kNoDisturbance * setup_.force_limit[i]);
       // A drive's own loop holds the velocity; an observed one, which follows the force that it makes, would fight it.
       if (form_ == ErrorRate::kObserved && !setup_.compensation[i].model.drive_loop &&
           compensation_[i].observes_velocity(s.compensation[i]))
@@ -109,8 +116,10 @@ class Common {
           compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i], r.acceleration[i], s.status);
       const double wanted = compensation_[i].mass() * acceleration[i] + added;
       if (!isfinite(wanted)) {
-        // Parameters that overflow: the last force stays, as with an input that is not finite.
+        // A number that overflows: the last force stays, as with an input that is not finite. Observers and adaptation begin anew, or
+        // one sample of 1e306 m would stay in them for ever.
         s.status.raise(Status::kNotFinite);
+        std::construct_at(&s.compensation[i]);
         continue;
       }
       s.force[i] = clamp_to(wanted, -setup_.force_limit[i], setup_.force_limit[i]);
@@ -134,6 +143,9 @@ class Common {
   [[nodiscard]] double period() const noexcept { return setup_.period; }
 
  private:
+  /// An estimate of this many force limits comes from a wild sample, and would hold the force at its limit for seconds.
+  static constexpr double kNoDisturbance = 4.0;
+
   Setup<N> setup_;
   ErrorRate form_;
   std::array<Compensation, N> compensation_;

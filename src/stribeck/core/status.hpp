@@ -10,7 +10,7 @@ namespace stribeck {
 
 enum class Status : std::uint8_t {
   kOk,
-  kNotFinite,             ///< an input was NaN or infinite; the step held its last safe output
+  kNotFinite,  ///< an input was NaN or infinite, or numbers overflowed; the step held its last safe output
   kOutputLimited,         ///< the output reached the limit of the drive
   kOutsideVelocityRange,  ///< a friction model was evaluated outside the velocities that it was identified on
   kOscillation,           ///< the loop oscillated; trust in observer and adaptation was reduced
@@ -22,7 +22,7 @@ constexpr std::string_view describe(Status s) noexcept {
     case Status::kOk:
       return "ok";
     case Status::kNotFinite:
-      return "an input was not a finite number";
+      return "an input was not a finite number, or numbers overflowed";
     case Status::kOutputLimited:
       return "the output reached the limit of the drive";
     case Status::kOutsideVelocityRange:

@@ -172,13 +172,14 @@ class MetricsCollector {
 
   void add(const Sample& s) noexcept {
     const double e = std::abs(s.contour_error);
-    if (!(e <= max_)) max_ = e;  // NaN stays
+    if (!std::isnan(max_) && !(e <= max_)) max_ = e;  // NaN stays
     if (s.in_glitch) glitch_ = std::isnan(glitch_) ? e : std::max(glitch_, e);
     window(e, s.in_glitch);
     sum_ += s.contour_error;
     sum_abs_ += e;
     sum_square_ += e * e;
-    if (!(s.orientation_error <= max_orientation_)) max_orientation_ = s.orientation_error;
+    if (!std::isnan(max_orientation_) && !(s.orientation_error <= max_orientation_))
+      max_orientation_ = s.orientation_error;
     sum_orientation_ += s.orientation_error;
     mechanical_ += s.mechanical_power;
     for (std::size_t i = 0; i < N; ++i) {

@@ -145,7 +145,6 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
               .position = {{reference[k]}},
               .velocity = {{(after - before) / (2.0 * period)}},
               .acceleration = {{(after - 2.0 * reference[k] + before) / (period * period)}}};
-          drive.admit(commands, state, {{x}});
           const double f = controller.step(state, {r.position[0], r.velocity[0], r.acceleration[0], x});
           drive.command(commands, state, r, {{x}}, {{f}});
           return Output{f, commands[0].command, commands[0].offset};

@@ -216,6 +216,17 @@ TEST(Metrics, AreTheTextbookDefinitions) {
   EXPECT_NEAR(m.mechanical_power, (3 - 4 + 0 + 5) / 4.0, 1e-12);
 }
 
+TEST(Metrics, ASampleThatIsNoNumberIsNotForgotten) {
+  MetricsCollector<2> c;
+  for (const double e : {5e-6, std::nan(""), 1e-6}) {
+    MetricsCollector<2>::Sample s;
+    s.contour_error = s.orientation_error = e;
+    c.add(s);
+  }
+  EXPECT_TRUE(std::isnan(c.result().max_contour_error));
+  EXPECT_TRUE(std::isnan(c.result().rms));
+}
+
 TEST(GlitchWindow, OpensAtAReversalForItsTravel) {
   GlitchWindow<2> window;
   path::PathPoint<2> r;

@@ -150,6 +150,16 @@ class Compensation {
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 
+  /// Begins the observers anew where the estimate is beyond this force [N], which nothing at the axis can be; infinite: never.
+  void forget_beyond(State& s, double force) const noexcept {
+    if (!(abs(s.estimate) > force)) return;
+    s.disturbance = {};
+    s.kalman = {};
+    s.adaptive = {};
+    s.estimate = 0.0;
+    s.begun = false;
+  }
+
   /// Force to add [N] for the reference now: position [m], velocity [m/s], acceleration [m/s²].
   double step(State& s, double reference, double velocity, double acceleration,
               StatusCounter& status) const noexcept {
@@ -278,6 +288,7 @@ class Compensation {
     if (!(abs(velocity) * period_ > kMoves * params_.encoder_resolution)) return false;
     s.disturbance.velocity = s.adaptive.velocity = velocity;
     s.kalman.estimate = {{position, velocity, 0.0}};
+    s.kalman.started = true;
     return true;
   }
 

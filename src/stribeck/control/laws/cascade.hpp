@@ -58,8 +58,10 @@ struct CascadeParams {
               pure_number().not_negative().at_most(1.0),
               "share of the reference acceleration that is fed forward")
             .or_default(),
-        field("error_rate", &P::error_rate,
-              "velocity fed forward: as late as the measured one (difference-of-error), or exact (late)")
+        field(
+            "error_rate", &P::error_rate,
+            "velocity fed forward: as late as the measured one (difference-of-error), or exact (late); observed: exact, and the velocity "
+            "of the Kalman observer in place of the measured one")
             .or_default()};
   }
 
@@ -113,6 +115,7 @@ class Cascade {
         velocity_gain_(spread<N>(params.velocity_gain, 0.0)),
         velocity_share_(params.velocity_feedforward),
         acceleration_share_(params.acceleration_feedforward),
+        observed_(params.error_rate == ErrorRate::kObserved),
         limit_(setup.force_limit) {
     const auto time = spread<N>(params.integral_time, 1.0);
     for (std::size_t i = 0; i < N; ++i) integral_gain_[i] = velocity_gain_[i] / time[i];
@@ -124,8 +127,9 @@ class Cascade {
     Vec<double, N> integral;
     Vec<double, N> wanted;
     for (std::size_t i = 0; i < N; ++i) {
-      const double velocity = s.error[i].velocity;
-      const double reference_velocity = velocity - s.error[i].rate;
+      const double rate = s.error[i].rate;
+      const double velocity = observed_ ? rate + r.velocity[i] : s.error[i].velocity;
+      const double reference_velocity = observed_ ? r.velocity[i] : velocity - rate;
       const double commanded = velocity_share_ * reference_velocity - position_gain_[i] * s.error[i].e;
       s.velocity_error[i] = commanded - velocity;
       const double most = limit_[i] / (common_.mass(i) * integral_gain_[i]);
@@ -135,7 +139,8 @@ class Cascade {
     }
     const Vec<double, N> force = common_.finish(s, r, wanted);
     for (std::size_t i = 0; i < N; ++i) {
-      if (abs(force[i]) < limit_[i] || force[i] * s.velocity_error[i] < 0.0) s.integral[i] = integral[i];
+      if ((abs(force[i]) < limit_[i] && !s.cut[i]) || force[i] * s.velocity_error[i] < 0.0)
+        s.integral[i] = integral[i];
     }
     return force;
   }
@@ -147,6 +152,7 @@ class Cascade {
   Vec<double, N> integral_gain_;
   double velocity_share_;
   double acceleration_share_;
+  bool observed_;
   Vec<double, N> limit_;
 };
 

@@ -56,6 +56,33 @@ TEST(Cascade, WithoutVelocityFeedforwardItStaysSpeedOverKvBehind) {
   EXPECT_NEAR(mass.x - r.position[0], -9.5e-3 / 20.0, 1e-9);
 }
 
+// The velocity of the observer takes the place of the measured one, however much of the reference's velocity is fed forward.
+TEST(Cascade, ObservedItUsesTheVelocityOfTheObserver) {
+  constexpr double kPeriod = 1e-3;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    CascadeParams c;
+    c.velocity_feedforward = share;
+    c.error_rate = ErrorRate::kObserved;
+    auto setup = test::masses<1>(kPeriod);
+    setup.compensation[0].observer = Observer::kKalman;
+    const Cascade<1> law(c, setup);
+    Cascade<1>::State s;
+    test::Mass mass;
+    path::PathPoint<1> r;
+    r.velocity = {{9.5e-3}};
+    for (int k = 0; k < 200; ++k) {
+      mass.move(law.step(s, r, {{mass.x}})[0], kPeriod);
+      r.position[0] += kPeriod * r.velocity[0];
+    }
+    // The next sample lies 1 um ahead: the difference says 1 mm/s more, the observer a part of it.
+    law.step(s, r, {{mass.x + 1e-6}});
+    const double observed = s.compensation[0].kalman.estimate[1];
+    const double commanded = share * 9.5e-3 - 20.0 * (mass.x + 1e-6 - r.position[0]);
+    EXPECT_NEAR(s.velocity_error[0], commanded - observed, 1e-12) << share;
+    EXPECT_GT(std::abs(s.error[0].velocity - observed), 1e-4);
+  }
+}
+
 TEST(Cascade, AnswersADisturbanceAsItsPolesSay) {
   // s³ + 60 s² + 960 s + 3600; the step answer 1/((s − s1)(s − s2)(s − s3)) by partial fractions.
   CascadeParams c;

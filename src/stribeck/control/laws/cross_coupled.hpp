@@ -124,7 +124,7 @@ class CrossCoupled {
     }
     const Vec<double, N> force = common_.finish(s, r, wanted);
     bool limited = false;
-    for (std::size_t i = 0; i < N; ++i) limited = limited || !(abs(force[i]) < limit_[i]);
+    for (std::size_t i = 0; i < N; ++i) limited = limited || !(abs(force[i]) < limit_[i]) || s.cut[i];
     if (!limited) s.integral = integral;
     return force;
   }

@@ -207,7 +207,7 @@ class Learning {
     for (std::size_t i = 0; i < N; ++i) wanted[i] += s.learned[i] / common_.mass(i);
     const V force = common_.finish(s, r, wanted);
     for (std::size_t i = 0; i < N; ++i) {
-      if (!(abs(force[i]) < limit_[i])) s.held[i] = static_cast<int>(whole_) + 4;
+      if (!(abs(force[i]) < limit_[i]) || s.cut[i]) s.held[i] = static_cast<int>(whole_) + 4;
     }
     return force;
   }

@@ -111,7 +111,7 @@ class Pid {
     const Vec<double, N> force = common_.finish(s, r, wanted);
     for (std::size_t i = 0; i < N; ++i) {
       // An error ahead of the reference reduces the force.
-      if (abs(force[i]) < limit_[i] || force[i] * e[i] > 0.0) s.integral[i] = integral[i];
+      if ((abs(force[i]) < limit_[i] && !s.cut[i]) || force[i] * e[i] > 0.0) s.integral[i] = integral[i];
     }
     return force;
   }

@@ -105,6 +105,20 @@ TEST(Pid, TheIntegralStandsStillOnlyWhileItWouldDriveALimitedForceFurther) {
   }
 }
 
+// Supervision holds the force back until an axis has moved as the force says; behind a closed brake that takes seconds.
+TEST(Pid, DoesNotWindUpWhileSupervisionHoldsTheForceBack) {
+  const Pid<1> law({}, test::masses<1>(1e-3));
+  Pid<1>::State s;
+  law.step(s, {}, {{-1e-3}});
+  const double begun = s.integral[0];
+  s.cut[0] = true;
+  for (int k = 0; k < 1000; ++k) law.step(s, {}, {{-1e-3}});
+  EXPECT_EQ(s.integral[0], begun);
+  s.cut[0] = false;
+  law.step(s, {}, {{-1e-3}});
+  EXPECT_NE(s.integral[0], begun);
+}
+
 TEST(Pid, KeepsWhatEveryLawKeeps) {
   test::expect_nan_answered(PidParams{});
   test::expect_limits_kept(PidParams{});

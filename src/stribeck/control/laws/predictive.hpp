@@ -343,7 +343,7 @@ class Predictive {
   }
 
   [[nodiscard]] bool observed(const State& s, std::size_t i) const noexcept {
-    return params_.error_rate == ErrorRate::kObserved &&
+    return params_.error_rate == ErrorRate::kObserved && !setup_.compensation[i].model.drive_loop &&
            Compensation::observes_velocity(setup_.compensation[i], s.compensation[i]);
   }
 

@@ -292,7 +292,7 @@ class SlidingMode {
   /// Whether the last force of an axis was limited: the surface then cannot be reached with any gain.
   bool limited(const State& s) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      if (abs(s.force[i]) >= force_limit_[i]) return true;
+      if (abs(s.force[i]) >= force_limit_[i] || s.cut[i]) return true;
     }
     return false;
   }

@@ -122,6 +122,7 @@ class Zpetc {
         const double r3 = r.position[i];
         y.position[i] = 0.25 * (r0 + 2.0 * r1 + r2);
         y.velocity[i] = past[1].velocity[i];
+        y.acceleration[i] = past[1].acceleration[i];
         feedforward[i] = 0.5 * ((r2 - 2.0 * r1 + r0) + (r3 - 2.0 * r2 + r1)) / (t * t);
       } else {
         y.position[i] = r.position[i] + 0.25 * t * t * r.acceleration[i];

@@ -65,6 +65,31 @@ TEST(Zpetc, ExtrapolatedItIsOffByThePowerOfItsHeader) {
   }
 }
 
+// Everything that is fed forward belongs to the same place of the delayed motion.
+TEST(Zpetc, DelayedTheFrictionBeginsWithTheMotion) {
+  constexpr double kPeriod = 1e-3;
+  ZpetcParams params;
+  params.preview = Preview::kDelayed;
+  auto setup = test::masses<1>(kPeriod);
+  setup.compensation[0].feedforward = Feedforward::kDynamic;
+  setup.compensation[0].model.friction.steady = friction::Conventional<double>{50.0, 0.0, {}};
+  setup.compensation[0].model.friction.dynamics = friction::LuGre<double>{1e9, 0.0, {}};
+  const Zpetc<1> law(params, setup);
+  Zpetc<1>::State s;
+  path::PathPoint<1> r;
+  for (int k = 0; k < 6; ++k) {
+    const double t = k > 2 ? (k - 2) * kPeriod : 0.0;
+    r.acceleration = {{k >= 2 ? 1.0 : 0.0}};
+    r.velocity = {{t}};
+    r.position = {{0.5 * t * t}};
+    law.step(s, r, {{0.0}});
+    if (k < 4) {
+      EXPECT_EQ(s.compensation[0].friction, 0.0) << k;
+    }
+  }
+  EXPECT_GT(s.compensation[0].friction, 10.0);
+}
+
 TEST(Zpetc, TakesAwayThePhaseThatFeedforwardOfTheAccelerationLeaves) {
   // r'' held over the sample is half a sample late: phase (wT/2)·w²/k_p, here 0.4 mrad at 6.3 rad/s.
   const auto plain = transfer(ContouringParams::critical(40.0, 40.0), 200, 5e-3, 0);

@@ -2,6 +2,7 @@
 /// The force of one axis after a fault: brakes against the last known motion, then holds the load.
 ///
 ///   brake   f = load − sgn(v₀)·B,   B = clamp(m|v₀|/t − F(v̂), 0, 0.8·limit),   v̂' = −(B + F(v̂))/m,   v̂(0) = |v₀|
+///           without a limit B is at most m·100 m/s², more than feed drives can do
 ///           until v̂ < v₀/10, for at most t = the rest of the stop time
 ///   ramp    at rest, from the last force to the final one in 20 ms, for at most t
 ///   end     load: gravity is held until a brake has closed; 0 at once after a wrong sign
@@ -45,7 +46,7 @@ class SafeStop {
     s.brakes = abs(velocity) > l_.rattle();
     if (s.brakes) {
       const double wanted = l_.mass * abs(velocity) / (l_.period * s.left) - friction(velocity);
-      s.brake = clamp_to(wanted, 0.0, kShare * l_.force);
+      s.brake = clamp_to(wanted, 0.0, isfinite(l_.force) ? kShare * l_.force : kMostBraking * l_.mass);
       s.least = kLeast * abs(velocity);
     } else {
       const int ramp = static_cast<int>(kRamp / l_.period) + 1;
@@ -69,7 +70,8 @@ class SafeStop {
  private:
   static constexpr double kShare = 0.8;
   static constexpr double kLeast = 0.1;
-  static constexpr double kRamp = 20e-3;  ///< [s]
+  static constexpr double kMostBraking = 100.0;  ///< [m/s²]
+  static constexpr double kRamp = 20e-3;         ///< [s]
 
   [[nodiscard]] double friction(double v) const noexcept {
     const auto p = friction_.parts(v, 0.0);

@@ -1,7 +1,7 @@
 #pragma once
 /// Limits the force of one axis until the encoder has once shown that the axis moves in the direction of the force.
 ///
-///   unproven    f within load ± start
+///   unproven    f within load ± start, and within the force limit
 ///   push run    periods for which f − load has kept its sign with |f − load| ≥ level/2, counted once the delay is over
 ///   proven      in a push run, moved with it by 5 µm and 10 encoder steps, and no slower than at its start; from then on no limit
 ///
@@ -27,7 +27,8 @@ class SignProof {
 
   /// The force after this limit [N].
   [[nodiscard]] static double limited(const State& s, const SupervisionLimits& l, double force) noexcept {
-    return s.proven ? force : clamp_to(force, l.load - l.start, l.load + l.start);
+    if (s.proven) return force;
+    return clamp_to(clamp_to(force, l.load - l.start, l.load + l.start), -l.force, l.force);
   }
 
   /// One good sample: position [m] and smoothed velocity [m/s] now, force for the coming period [N].

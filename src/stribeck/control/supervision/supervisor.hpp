@@ -101,6 +101,7 @@ class Supervisor {
     for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
       if (limits_[i].checks != Checks::kAll) continue;
       cut_at_start(s.axes[i], law, force[i], i);
+      law.cut[i] = s.axes[i].cut;
       const Compensation::State& c = law.compensation[i];
       quiet = quiet && !law.bridged[i] && !c.limited;
       const EncoderCheck::State& e = s.axes[i].encoder;
