@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <stribeck/io/sha256.hpp>
 #include <stribeck/path/curve.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -101,7 +102,10 @@ class Reader {
     p.laps = m.laps;
     p.size = m.size;
     if (!m.path.empty()) p.path = enum_value<path::Shape>(m.path) ? m.path : beside(m.path);
-    if (is_file(p)) s.inputs.push_back(p.path);
+    if (is_file(p)) {
+      s.inputs.push_back(p.path);
+      s.path_checksum = io::sha256_of_file(p.path);
+    }
     return p;
   }
 

@@ -33,7 +33,7 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
   std::string study = io::write_toml(s.file);
   if (s.file.sampling == sim::Sampling::kRandom || s.file.sampling == sim::Sampling::kSobol) {
     const std::string line = fmt::format("samples = {}\n", s.file.samples);
-    study.erase(study.find(line), line.size());
+    if (const auto at = study.find(line); at != std::string::npos) study.erase(at, line.size());
   }
   std::string text = fmt::format(
       "# What results.csv was made with. The study goes on with the same alone.\nversion = \"{}\"\n\n# study\n{}"
@@ -45,6 +45,7 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
   for (const sim::Travel& t : s.spec.travels)
     text += fmt::format("\n# motion: {}, {}, {} laps and {} to settle\n", report::clean_text(t.name),
                         t.pace_in_words(), io::number_text(t.laps), io::number_text(t.settle_laps));
+  if (!s.path_checksum.empty()) text += fmt::format("# file of the path: SHA-256 {}\n", s.path_checksum);
   for (const std::size_t i : s.axes) {
     const sim::AxisKnowledge& k = parameters.knowledge[i];
     for (const auto& [kind, model] :
@@ -54,6 +55,9 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
         text += fmt::format("\n# axis {}, {} model of the compensators\n{}", s.machine.axes[i].first, kind,
                             io::write_toml(**model));
     }
+    if (k.lost_motion)
+      text += fmt::format("\n# axis {}, lost motion that is compensated\n{}", s.machine.axes[i].first,
+                          io::write_toml(*k.lost_motion));
   }
   return text;
 }

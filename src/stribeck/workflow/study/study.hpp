@@ -47,6 +47,7 @@ struct Study {
   std::uint64_t samples = 0;
   std::uint64_t runs = 0;
   std::vector<std::string> inputs;  ///< files that it reads
+  std::string path_checksum;        ///< SHA-256 of the file that has the path; "" where none has
 
   /// Runs of one sample.
   [[nodiscard]] std::uint64_t runs_per_sample() const { return file.indices ? factors.size() + 2 : 1; }

@@ -405,6 +405,30 @@ TEST(Study, DoesNotGoOnWithAnotherUncertainty) {
   EXPECT_THROW(run_study(read_study(study), {f / "out", 2, "1"}), io::InputError);
 }
 
+TEST(Study, DoesNotGoOnWithAnotherCompensationOfLostMotion) {
+  Folder f;
+  std::string study = with_axis_file(f, true, kUncertainty);
+  const std::string axis = text_of(f / "open.toml");
+  f.write("open.toml", axis + "\n[lost_motion]\nbacklash = \"12 um\"\n");
+  run(f, study, "out");
+  f.write("open.toml", axis + "\n[lost_motion]\nbacklash = \"2 um\"\n");
+  EXPECT_THROW(run(f, study, "out"), io::InputError);
+}
+
+TEST(Study, DoesNotGoOnOnAnotherPath) {
+  Folder f;
+  const std::string study =
+      "machine = \"" + kMachines +
+      "biaxial-table.toml\"\ncontrollers = [\"a\"]\nparameters = \"thesis\"\nsamples = 2\n"
+      "figures = [\"rms_um\"]\nmotion = { path = \"p.csv\", speeds = [\"9.5 mm/s\"] }\n" +
+      kFriction;
+  f.write("p.csv", "x [mm],y [mm]\n10,0\n12,3\n14,0\n");
+  run(f, study, "out");
+  run(f, study, "out");
+  f.write("p.csv", "x [mm],y [mm]\n11,0\n12,3\n14,0\n");
+  EXPECT_THROW(run(f, study, "out"), io::InputError);
+}
+
 TEST(Study, WithOtherFactorsThereIsNoBand) {
   Folder f;
   EXPECT_FALSE(run(f, with_axis_file(f, true, kUncertainty + std::string(kMass)), "out").has_band);
