@@ -8,9 +8,13 @@ namespace stribeck::targets::linuxcnc {
 
 namespace {
 
-/// Rounds to whole tenths of a millimetre or degree.
+/// Rounds down to whole tenths of a millimetre or degree; below one to two digits, because an axis may have less room than a tenth.
 double rounded(const HalAxis& a, double metres) {
-  return std::floor(10.0 * in_units(a, metres) + 1e-9) / 10.0 * unit_of(a);
+  const double units = in_units(a, metres);
+  const double step = std::abs(units) < 1.0 && units != 0.0
+                          ? std::pow(10.0, std::floor(std::log10(std::abs(units))) - 1.0)
+                          : 0.1;
+  return std::floor(units / step + 1e-9) * step * unit_of(a);
 }
 
 /// Middle of the programs [m]: zero where the travel permits.

@@ -59,8 +59,8 @@ double fit_amplitudes(Qec& qec, const std::vector<PulsePoint>& points) {
     qec.largest = (s22 * t1 - s12 * t2) / determinant;
     qec.smallest = (s11 * t2 - s12 * t1) / determinant;
   } else {
-    // No point in the falling part: it stays level.
-    qec.largest = s11 > 0.0 ? t1 / s11 : 0.0;
+    // All points in the level part, or all in the last one: it stays level.
+    qec.largest = s11 > 0.0 ? t1 / s11 : s22 > 0.0 ? t2 / s22 : 0.0;
     qec.smallest = qec.largest;
   }
   if (!(qec.largest >= 0.0 && qec.smallest >= 0.0)) return std::numeric_limits<double>::infinity();

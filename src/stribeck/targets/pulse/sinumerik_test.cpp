@@ -62,6 +62,12 @@ TEST(Sinumerik, TheFitFindsACharacteristicThatHasTheForm) {
   EXPECT_DOUBLE_EQ(found.amplitude(1.0), found.amplitude(points.back().acceleration));
 }
 
+TEST(Sinumerik, OneAccelerationIsALevelPulse) {
+  const Qec found = targets::nearest_qec({{0.05, 12 * kMmPerMin, 1.0}}, 0.1);
+  EXPECT_NEAR(found.largest, 12 * kMmPerMin, 1e-12);
+  EXPECT_NEAR(found.smallest, 12 * kMmPerMin, 1e-12);
+}
+
 // A controller file lists gains by the axes of the machine: y alone had those of x.
 TEST(Sinumerik, EachAxisHasItsOwnGains) {
   targets::PulseTask t;

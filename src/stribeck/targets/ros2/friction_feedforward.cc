@@ -4,7 +4,7 @@
 //
 // It is chainable. The controller before it writes its reference interfaces NAME/JOINT/effort, /velocity, /acceleration and /position,
 // and claims no interface of the hardware; this controller writes JOINT/effort. A reference that nobody writes stays NaN: without effort
-// nothing is commanded, without velocity there is no friction, without acceleration no mass, without position no periodic term.
+// the command is 0, as after deactivation: hold a joint that falls by a brake; without velocity there is no friction, without acceleration no mass, without position no periodic term.
 // Use the commanded velocity. The measured one changes its sign with the noise at rest, and the friction with it.
 //
 // The tables come from the YAML file that was written with this one. Friction jumps at a reversal: pre-sliding is not in it.
@@ -139,6 +139,12 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
     return controller_interface::CallbackReturn::SUCCESS;
   }
 
+  // The hardware keeps the last command: without this it would be the mass and friction of the last period.
+  controller_interface::CallbackReturn on_deactivate(const rclcpp_lifecycle::State &) override {
+    for (auto & command : command_interfaces_) static_cast<void>(command.set_value(0.0));
+    return controller_interface::CallbackReturn::SUCCESS;
+  }
+
   controller_interface::InterfaceConfiguration command_interface_configuration() const override {
     std::vector<std::string> names;
     for (const std::string & joint : joints_) names.push_back(joint + "/" + hardware_interface::HW_IF_EFFORT);
@@ -172,7 +178,10 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
   controller_interface::return_type update_and_write_commands(const rclcpp::Time &, const rclcpp::Duration &) override {
     for (std::size_t i = 0; i < friction_.size(); ++i) {
       const double * const reference = &reference_interfaces_[kQuantities * i];
-      if (!std::isfinite(reference[0])) continue;
+      if (!std::isfinite(reference[0])) {
+        static_cast<void>(command_interfaces_[i].set_value(0.0));
+        continue;
+      }
       static_cast<void>(
         command_interfaces_[i].set_value(reference[0] + friction_[i].effort(reference[2], reference[1], reference[3])));
     }

@@ -65,6 +65,7 @@ class ChainableControllerInterface {
   virtual CallbackReturn on_init() = 0;
   virtual CallbackReturn on_configure(const rclcpp_lifecycle::State&) = 0;
   virtual CallbackReturn on_activate(const rclcpp_lifecycle::State&) = 0;
+  virtual CallbackReturn on_deactivate(const rclcpp_lifecycle::State&) = 0;
   virtual InterfaceConfiguration command_interface_configuration() const = 0;
   virtual InterfaceConfiguration state_interface_configuration() const = 0;
   rclcpp_lifecycle::Node* get_node() { return &node_; }
@@ -123,6 +124,11 @@ int main(int, char** a) {
     c.update_and_write_commands({}, {});
     std::printf("%.15g\n", c.command_interfaces_[0].value);
   }
+  *references[0].value = NAN;
+  c.update_and_write_commands({}, {});
+  if (c.command_interfaces_[0].value != 0.0) return 6;
+  c.command_interfaces_[0].value = 12.0;
+  if (c.on_deactivate({}) != CallbackReturn::SUCCESS || c.command_interfaces_[0].value != 0.0) return 7;
 }
 )";
 

@@ -40,7 +40,11 @@ std::vector<Corner> rounded_points(const Axis& axis, std::size_t points, int dec
 Form isg(const Axis& axis) {
   constexpr std::size_t kMost = 20;
   std::vector<Corner> points = rounded_points(axis, kMost, 3);
-  for (Corner& c : points) c.x = 1e-6 * std::round(1e6 * c.x);
+  double last = -1.0;
+  for (Corner& c : points) {
+    last = std::max(std::round(1e6 * c.x), last + 1.0);  // two points of one speed would be a step
+    c.x = 1e-6 * last;
+  }
   Form form;
   for (std::size_t i = 0; i < points.size(); ++i) {
     form.text += fmt::format("frict_comp.table[{0}].in    {1:.0f}\nfrict_comp.table[{0}].out   {2:.3f}\n", i,
