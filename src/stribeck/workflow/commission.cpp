@@ -238,13 +238,15 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
 }
 
 /// The whole drive, with the unbalance or the spring that the records show, see judge/diagnosis.hpp.
-ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
+ident::Result whole_drive(const std::vector<ident::log::Record>& records,
+                          std::optional<double> mass = std::nullopt) {
   AxisRecords axis;
   axis.records = records;
   axis.rotary = records.front().rotary;
   return diagnosed(axis,
-                   [](const AxisRecords& a, Depth depth) {
+                   [&](const AxisRecords& a, Depth depth) {
                      ident::drive::DriveFitOptions options;
+                     options.mass = mass;
                      options.dynamics = depth == Depth::kWhole;
                      Identification found;
                      found.result = ident::drive::identify_drive(a.records, options);
@@ -339,7 +341,17 @@ CommissionedAxis Run::in_closed_loop() {
   const ident::log::Record turns = add(ExcitationMethod::kPositionSine, kPositionPeriods);
   jogs();
   const ident::log::Record triangles = add(ExcitationMethod::kConstantAcceleration);
-  const ident::Result whole = whole_drive({triangles, turns, jogs()});
+  ident::Result whole = whole_drive({triangles, turns, jogs()});
+  if (!(whole.mass_interval.low > 0.0)) {
+    // A light axis with much friction: no motion within its limits has enough inertia. What is known roughly serves the compensators.
+    const auto& [name, a] = machine_.axes[axis_];
+    const double known = a.commissioning.mass;
+    whole = whole_drive({triangles, turns, jogs()}, known);
+    out_.assumed.push_back(fmt::format(
+        "axis {}: no motion within its limits determines the mass, because inertia is small beside friction: {:.4g} {}, the rough one of "
+        "the machine file, is used",
+        name, known, a.rotary ? "kg m2" : "kg"));
+  }
   sim::AxisKnowledge& knows = out_.knowledge;
   knows.eccentric = keep("eccentric", {triangles, turns, jogs()}, whole);
   knows.whole = knows.eccentric;

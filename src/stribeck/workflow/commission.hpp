@@ -33,6 +33,7 @@ struct CommissionedAxis {
   std::vector<CommissionedLog> logs;
   std::vector<CommissionedModel> models;
   sim::AxisKnowledge knowledge;
+  std::vector<std::string> assumed;  ///< in place of what the logs do not tell, in sentences
   std::optional<ident::lost_motion::LostMotion>
       lost_motion{};  ///< absent: one encoder only, or a loop over the table
 

@@ -198,7 +198,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
           const std::size_t i = commissioned[k];
           p.axes[i] = commission_axis(machine, i, needs, spec.seed);
         });
-    for (const std::size_t i : commissioned) p.knowledge[i] = p.axes[i].knowledge;
+    for (const std::size_t i : commissioned) {
+      p.knowledge[i] = p.axes[i].knowledge;
+      p.assumed.insert(p.assumed.end(), p.axes[i].assumed.begin(), p.axes[i].assumed.end());
+    }
     p.words = excitation_words(machine, commissioned, needs, p.axes);
   }
   for (const Given& given : models) {

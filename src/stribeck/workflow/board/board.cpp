@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/process/outside_program.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/write_at_once.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/workflow/board/board.hpp>
@@ -228,8 +228,9 @@ void Board::run_controllers(OfMachine& out, const std::vector<BoardLogs>& logs, 
     sim::AxisFile file;
     file.axis = board.machine.axes[axis].first;
     file.model = model->model;
-    std::ofstream(files.back(), std::ios::binary)
-        << io::write_toml(file, "The model that every controller of the board gets.");
+    const io::WriteAtOnce now;  // other programs read it before the end of the command
+    io::write_atomically(files.back(),
+                         io::write_toml(file, "The model that every controller of the board gets."));
   }
   out.control =
       std::make_shared<BoardControl>(board, std::move(knowledge), std::move(files), o_.seed, machine);

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
@@ -10,6 +9,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/process/outside_program.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/write_at_once.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/uncertainty/design.hpp>
 #include <stribeck/workflow/board/identification.hpp>
@@ -136,8 +136,8 @@ std::vector<std::string> write_logs(const BoardLogs& logs, const BoardMachine&, 
   std::vector<std::string> paths;
   for (const io::Log& log : logs.logs) {
     paths.push_back(folder + "/" + log.source);
-    // At once: write_atomically() waits for the end of the command, and other programs read these files before.
-    std::ofstream(paths.back(), std::ios::binary) << io::csv_text(log);
+    const io::WriteAtOnce now;  // other programs read it before the end of the command
+    io::write_atomically(paths.back(), io::csv_text(log));
   }
   return paths;
 }

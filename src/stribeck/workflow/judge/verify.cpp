@@ -71,7 +71,7 @@ bool same_name(const std::string& a, const std::string& b) {
 LogOptions read_as_axis(const VerifyOptions& o, const std::vector<Model>& models) {
   const MachineDescription machine = read_description(o.machine);
   LogOptions options = o.log;
-  if (options.axis.empty()) options.axis = models.front().axis;
+  if (options.axis.empty() && !models.empty()) options.axis = models.front().axis;
   for (const auto& [name, axis] : machine.axes) {
     if (same_name(name, options.axis)) options.axis = name;
   }

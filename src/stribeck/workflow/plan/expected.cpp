@@ -103,7 +103,12 @@ ExpectedHalf told_by(const Identification& found, const AxisDescription& axis, d
   ExpectedHalf out;
   const double mass = 0.5 * (r.mass_interval.high - r.mass_interval.low) / r.mass;
   if (r.mass > 0.0 && std::isfinite(mass)) out[Wanted::kMass] = mass;
-  out[Wanted::kFriction] = half_of_curve(r, axis.limits.speed);
+  const auto open = [&](const char* name) {
+    const ident::Parameter* p = r.find(name);
+    return p != nullptr && !p->identifiable;
+  };
+  if (!open("static_positive") && !open("static_negative"))
+    out[Wanted::kFriction] = half_of_curve(r, axis.limits.speed);
   if (const ident::Parameter* p = r.find("break_away_distance"))
     out[Wanted::kBristles] = half_of(p, std::abs(p->value));
   out[Wanted::kDelay] = half_of(r.find("force_shift"), period);
