@@ -25,13 +25,48 @@ struct Profile {
 /// Run group (direction and feed) and border.
 using PeakPlace = std::tuple<double, double, int>;
 
-std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<double>& rest) {
+/// Runs whose feeds agree to a twentieth are one group.
+class FeedGroups {
+ public:
+  explicit FeedGroups(const CauseRows& rows) {
+    std::map<double, int> counts;
+    for (const CauseRow& row : rows.rows) {
+      if (std::isfinite(row.feed)) ++counts[row.feed];
+    }
+    for (const auto& [feed, count] : counts) {
+      if (groups_.empty() || feed > kAlike * groups_.back().slowest) groups_.push_back({feed});
+      groups_.back().sum += feed * count;
+      groups_.back().count += count;
+    }
+  }
+  /// Number of the group, ascending with the feed; that behind the last one where no feed is known.
+  [[nodiscard]] double of(double feed) const {
+    if (!std::isfinite(feed)) return static_cast<double>(groups_.size());
+    const auto behind = std::upper_bound(groups_.begin(), groups_.end(), feed,
+                                         [](double f, const Group& g) { return f < g.slowest; });
+    return static_cast<double>(behind - groups_.begin() - 1);
+  }
+  /// Mean feed of the rows of a group [m/s]; NaN: none is known.
+  [[nodiscard]] double mean(double group) const {
+    const auto at = static_cast<std::size_t>(group);
+    return at < groups_.size() ? groups_[at].sum / groups_[at].count
+                               : std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  static constexpr double kAlike = 1.05;
+  struct Group {
+    double slowest = 0.0;
+    double sum = 0.0;
+    int count = 0;
+  };
+  std::vector<Group> groups_;
+};
+
+std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<double>& rest,
+                                      const FeedGroups& feeds) {
   const auto cells = static_cast<std::size_t>(0.5 * kPi / rows.step) + 1;
   const double none = std::numeric_limits<double>::quiet_NaN();
-  // Runs whose feeds agree to a twentieth are one group.
-  const auto group = [&](const CauseRow& row) {
-    return std::isfinite(row.feed) ? std::round(20.0 * std::log(row.feed)) : 0.0;
-  };
   std::map<PeakPlace, std::map<Passing, std::vector<double>>> passings;
   std::set<Passing>
       begins;  // quarters in which a run begins: whether the axis has reversed there is not seen
@@ -39,7 +74,7 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
     const CauseRow& row = rows.rows[i];
     const auto quarter = static_cast<long>(std::floor(row.direction * row.angle / (0.5 * kPi)));
     if (i == 0 || row.run != rows.rows[i - 1].run) begins.insert({row.run, quarter});
-    auto& lap = passings[{-row.direction, group(row), last_border(row)}][{row.run, quarter}];
+    auto& lap = passings[{-row.direction, feeds.of(row.feed), last_border(row)}][{row.run, quarter}];
     if (lap.empty()) lap.assign(cells, none);
     lap[std::min(static_cast<std::size_t>(after_reversal(row) / rows.step), cells - 1)] = rest[i];
   }
@@ -397,15 +432,9 @@ bool covers_reversal(const Profile& p, double step) {
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
                                          const PassingSamples& samples, const Windows& windows,
                                          const std::array<Crossing, 2>& crossing) {
-  std::map<double, std::pair<double, int>> feeds;
-  for (const CauseRow& row : rows.rows) {
-    if (!std::isfinite(row.feed)) continue;
-    auto& [sum, count] = feeds[std::round(20.0 * std::log(row.feed))];
-    sum += row.feed;
-    ++count;
-  }
+  const FeedGroups feeds(rows);
   std::vector<QuadrantPeak> out;
-  for (const auto& [place, profile] : profiles(rows, rest)) {
+  for (const auto& [place, profile] : profiles(rows, rest, feeds)) {
     if (!covers_reversal(profile, rows.step)) continue;
     const auto axis = static_cast<std::size_t>(std::get<2>(place) % 2);
     const QuadrantPeak peak = PeakSearch(place, profile, rows, samples, windows[axis], crossing[axis]).peak();
@@ -415,9 +444,7 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
     // An arc may end within the window.
     if (!std::isfinite(out.back().half_width_95))
       out.back().half_width_95 = 1.96 * rest_beside_peaks(rows, rest, windows);
-    const auto feed = feeds.find(std::get<1>(place));
-    out.back().feed = feed == feeds.end() ? std::numeric_limits<double>::quiet_NaN()
-                                          : feed->second.first / feed->second.second;
+    out.back().feed = feeds.mean(std::get<1>(place));
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stribeck/ident/drive/relaxation.hpp>
 #include <utility>
 
@@ -102,7 +103,7 @@ class RelaxationCost {
       sum += e * e;
       ++count;
     }
-    return count > 0 ? sum / static_cast<double>(count) : 0.0;
+    return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
   }
 
  private:

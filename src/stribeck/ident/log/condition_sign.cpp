@@ -195,6 +195,7 @@ void recover_signs(std::vector<Table>& tables, Notes& notes) {
   for (const Table& m : tables) rows += m.rows();
   if (turn < 0.0) flipped.all = rows - flipped.all;
   const Applied applied = apply_signs(tables, blocks, best, turn, slowest);
+  if (applied.first_table == nullptr) return;  // nothing was reversed
   const double rms = std::sqrt(best.fit.rss);
   const double rms_as_logged = std::sqrt(as_logged.rss);
   notes.add(
