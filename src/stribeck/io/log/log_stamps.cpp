@@ -83,6 +83,15 @@ void tell_epoch(Log& log) {
                         " has no unit; its numbers are times since 1970 in " + unit);
     return;
   }
+  // Days since 1899, as spreadsheets count them: from 1954 to 2173. Rows of 0.1 ms to 0.2 s are no seconds of a log then.
+  constexpr double kEarliest = 2e4, kLatest = 1e5;  // [d]
+  constexpr double kShortest = 1e-9, kLongest = 2.3e-6;
+  const double between = (*high - *low) / static_cast<double>(c.values.size());
+  if (!(*low >= kEarliest && *high <= kLatest && between > kShortest && between < kLongest)) return;
+  c.unit_text = "d";
+  c.unit_assumed = true;
+  log.notes.push_back("column " + in_quotes(c.header) +
+                      " has no unit; its numbers are days since 1899, as spreadsheets count them");
 }
 
 namespace {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -144,6 +145,20 @@ TEST(LogStamps, FilesThatAreNoText) {
   EXPECT_THAT(refusal("\x89HDF\r\n"), HasSubstr("is an HDF5 file"));
   EXPECT_THAT(refusal("MATLAB 5.0 MAT-file"), HasSubstr("arrays in Python"));
   EXPECT_THAT(refusal("<!DOCTYPE html><html></html>"), HasSubstr("is a page of HTML"));
+}
+
+// A spreadsheet writes the time of day as a share of the day behind its number.
+TEST(LogStamps, DaysOfASpreadsheetAreSeen) {
+  std::string text = "Time,x [mm]\n";
+  for (int k = 0; k < 50; ++k) text += fmt::format("{:.12f},{}\n", 46000.5 + k * 1e-3 / 86400.0, k);
+  const Log log = parse_log(text, "e.csv");
+  EXPECT_EQ(log.columns[0].unit_text, "d");
+  EXPECT_THAT(log.notes,
+              testing::Contains(testing::Field(&Note::text, testing::HasSubstr("spreadsheets count them"))));
+  // Seconds of a day, every 0.125 ms, are none.
+  text = "Time,x [mm]\n";
+  for (int k = 0; k < 50; ++k) text += fmt::format("{:.6f},{}\n", 46000.5 + k * 1.25e-4, k);
+  EXPECT_NE(parse_log(text, "s.csv").columns[0].unit_text, "d");
 }
 
 }  // namespace

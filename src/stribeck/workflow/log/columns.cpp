@@ -10,6 +10,7 @@
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/names/column_labels.hpp>
+#include <stribeck/workflow/log/names/column_sums.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/names/proposed_maps.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -213,24 +214,23 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
   return all.front().column;
 }
 
+bool is_place(LogQuantity what) {
+  return what == LogQuantity::kPosition || what == LogQuantity::kReference || what == LogQuantity::kMotor ||
+         what == LogQuantity::kScale;
+}
+
 bool is_force(LogQuantity what) { return std::find(kForces.begin(), kForces.end(), what) != kForces.end(); }
 
-/// "COLUMN + COLUMN", also with a unit behind it: a force that several columns give together.
-NamedColumn named_sum(const io::Log& log, const std::string& text) {
-  constexpr std::string_view kPlus = " + ";
-  const auto plus = log.find(text) == nullptr ? text.rfind(kPlus) : std::string::npos;
-  if (plus == std::string::npos) return named_column(log, text);
-  NamedColumn named = named_column(log, text.substr(plus + kPlus.size()));
-  const NamedColumn before = named_sum(log, text.substr(0, plus));
-  named.beside = before.beside;
-  named.beside.insert(named.beside.begin(), before.column);
-  for (const io::Column* c : named.beside) {
-    if (c == named.column || c->values.size() != named.column->values.size() ||
-        (!c->unit_text.empty() && c->unit_text != named.column->unit_text))
-      refuse_option(
-          "--map",
-          fmt::format("{} and {} cannot be added: expected two columns of one unit and of equally many rows",
-                      io::in_quotes(header_of(*c)), io::in_quotes(header_of(*named.column))));
+/// The column that a text begins with, and the unit behind it; null: there is none.
+NamedColumn column_called(const io::Log& log, const std::string& text) {
+  NamedColumn named{log.find(text), {}};
+  // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
+  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
+       blank = text.rfind(' ', blank - 1)) {
+    if (const io::Column* c = log.find(text.substr(0, blank))) {
+      named.column = c;
+      named.unit = text.substr(blank + 1);
+    }
   }
   return named;
 }
@@ -266,7 +266,9 @@ AxisColumns::AxisColumns(const io::Log& log, const LogOptions& options) : log_(l
     }
     const LogQuantity what = quantity_called(text.substr(0, equals));
     const std::string column_text = text.substr(equals + 1);
-    NamedColumn named = is_force(what) ? named_sum(log, column_text) : named_column(log, column_text);
+    NamedColumn named = is_force(what)   ? named_sum(log, column_text)
+                        : is_place(what) ? named_difference(log, column_text)
+                                         : named_column(log, column_text);
     for (const auto& [other, column] : maps_) {
       if (other == what)
         refuse_option("--map", fmt::format("{} is given twice, expected one column for it", enum_name(what)));
@@ -348,15 +350,7 @@ std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string
 }
 
 NamedColumn named_column(const io::Log& log, const std::string& text) {
-  NamedColumn named{log.find(text), {}};
-  // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
-  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
-       blank = text.rfind(' ', blank - 1)) {
-    if (const io::Column* c = log.find(text.substr(0, blank))) {
-      named.column = c;
-      named.unit = text.substr(blank + 1);
-    }
-  }
+  NamedColumn named = column_called(log, text);
   if (named.column == nullptr) refuse_unknown_column(log, text);
   if (named.column->values.empty()) {
     refuse_option("--map", fmt::format("column {} holds text, expected numbers",

@@ -9,6 +9,7 @@
 /// Errors: InputError naming file, column or option.
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/log/log.hpp>
@@ -58,6 +59,8 @@ struct NamedColumn {
   const io::Column* column = nullptr;
   std::string unit;
   std::vector<const io::Column*> beside{};  ///< of the same unit, to be added to it: forces of several motors
+  std::shared_ptr<const io::Column>
+      made{};  ///< the column itself where it is no column of the log, but a sum of two
   std::vector<const io::Column*>
       against{};  ///< the same, to be subtracted: of motors that turn the other way round
 };

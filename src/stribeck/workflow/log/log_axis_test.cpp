@@ -66,10 +66,48 @@ std::string refusal(const std::string& text, const workflow::LogOptions& options
 constexpr std::size_t kRow = 123;
 double x_at() { return 0.05 * std::sin(2.0 * std::numbers::pi * 0.123); }
 
+// Many controls record the command and how far the axis lags behind it.
+TEST(LogAxis, APositionMayBeACommandLessItsFollowingError) {
+  const std::string text =
+      csv("t [s],Position command [mm],Following error [um],Force [N]", {"t", "x_mm", "f", "f"});
+  EXPECT_THAT(refusal(text), HasSubstr("--map x=\"Position command mm - Following error um\""));
+  workflow::LogOptions options;
+  for (const double sign : {-1.0, 1.0}) {
+    options.maps = {sign < 0.0 ? "x=Position command mm - Following error um"
+                               : "x=Position command mm + Following error um"};
+    const ident::log::RawLog raw = axis_of(text, options);
+    for (const std::size_t k : {0U, 100U, 1777U})
+      EXPECT_NEAR(raw.x.y[k], 1e-3 * log_of(text).columns[1].values[k] + sign * 1e-6 * raw.f.y[k], 1e-12);
+  }
+  options.maps = {"x=Position command mm - Force N"};
+  EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
+  options.maps = {"x=Position command mm"};
+  EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes,
+              Contains(HasSubstr("is a commanded position")));
+}
+
+TEST(LogAxis, ColumnsOfTwoAxesByLetterAndNumber) {
+  for (const auto& [header, axis] :
+       {std::pair{"t [s],x [mm],y [mm],Fx [N],Fy [N]", "y"},
+        {"t [s],X [mm],Z [mm],IX [A],IZ [A]", "Z"},
+        {"t [s],pos1 [mm],pos2 [mm],cur1 [A],cur2 [A]", "2"},
+        {"t [s],v_act [mm],u_act [mm],v_force [N],u_force [N]", "u"},
+        {"t [s],Achse1 Ist [mm],Achse2 Ist [mm],Achse1 Strom [A],Achse2 Strom [A]", "2"},
+        {"t [s],J1_pos [mm],J2_pos [mm],J1_torque [Nm],J2_torque [Nm]", "J2"},
+        {"t [s],x_act [mm],x2_act [mm],x_force [N],x2_force [N]", "x2"}}) {
+    const std::string text = csv(header, {"t", "v_mm_min", "x_mm", "percent", "f"});
+    workflow::LogOptions options;
+    options.axis = axis;
+    const ident::log::RawLog raw = axis_of(text, options);
+    EXPECT_NEAR(raw.x.y[100], 1e-3 * log_of(text).columns[2].values[100], 1e-12) << header;
+    EXPECT_EQ(raw.f.y[100], log_of(text).columns[4].values[100]) << header;
+  }
+}
+
 // The names of a log of one axis, x_act and x_cmd, are those of the axis X where there is another axis.
 TEST(LogAxis, AnAxisHasItsOwnColumns) {
-  for (const std::string form :
-       {"_act", "_cmd+_act", "_ref+_act", "_soll+_ist", " act", "_pos", "_fb", "-cmd+-act", "_actual"}) {
+  for (const std::string form : {"_act", "_cmd+_act", "_ref+_act", "_soll+_ist", " act", "_pos", "_fb",
+                                 "-cmd+-act", "_actual", "PosAct", "_enc", "/pos", "_des+_meas"}) {
     for (const std::string other : {"Y", "Z", "C"}) {
       std::string header = "t [s]";
       std::vector<std::string> what{"t"};
@@ -344,7 +382,7 @@ TEST(LogAxis, MotorsOfOneAxisAreAdded) {
   options.drive.motors = 3;
   EXPECT_THAT(refusal(text, options), HasSubstr("a sum of 2 columns, the axis has 3 motors"));
   options.maps = {"x=y + Y1 Current"};
-  EXPECT_THAT(refusal(text, options), HasSubstr("got \"+ Y1 Current\", expected a unit like m"));
+  EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added: expected two columns of one kind of unit"));
   options.maps = {"current=y + Y1 Current"};
   EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
 }

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/motion_columns.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/names/proposed_maps.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -52,6 +55,34 @@ void take_lead(const std::string& lead, MotionColumns& motion) {
   motion.per_radian = travel / (2.0 * std::numbers::pi);
 }
 
+/// `--map x="CMD mm - ERROR mm"` where a log has the commanded position and the following error in place of the measured one.
+std::string with_following_error(const AxisColumns& columns) {
+  constexpr std::array<std::string_view, 10> kWords{
+      "error",          "following", "lag",       "schleppfehler", "schleppabstand",
+      "lageabweichung", "ferr",      "deviation", "poserror",      "ferror"};
+  const std::optional<NamedColumn> command = columns.find(LogQuantity::kReference);
+  if (!command) return {};
+  for (const io::Column& c : columns.log().columns) {
+    if (c.values.empty() || !conversion_between(c.unit_text, "m") || !any_word(words_of_name(c.name), kWords))
+      continue;
+    return fmt::format("--map x=\"{} {} - {} {}\", or with + where the error is measured less commanded",
+                       command->column->name, command->unit, c.name, c.unit_text);
+  }
+  return {};
+}
+
+/// Whether a position that --map names is a commanded one by its name.
+void doubt_command(const AxisColumns& columns, const NamedColumn& x, std::vector<std::string>& notes) {
+  const auto meaning = meaning_of(x.column->name, x.unit);
+  if (x.made || !columns.mapped(LogQuantity::kPosition) || !meaning ||
+      meaning->what != LogQuantity::kReference)
+    return;
+  notes.push_back(fmt::format(
+      "column {} is a commanded position by its name: the axis follows it late and with errors, so that mass and friction come out wrong "
+      "(map the measured position, or --map x=\"COMMAND UNIT - FOLLOWING ERROR UNIT\")",
+      io::in_quotes(header_of(*x.column))));
+}
+
 /// The columns that exist, in the order in which they are shown.
 std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std::string>& notes) {
   std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
@@ -71,13 +102,15 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std:
                        "it is with --map x=\"COLUMN UNIT\")",
                        others)});
     }
-    const std::string all = proposed_maps(columns.log(), columns.axis());
+    std::string all = with_following_error(columns);
+    if (all.empty()) all = proposed_maps(columns.log(), columns.axis());
     throw io::InputError({columns.log().source, 0, "x",
                           fmt::format("no column for the position, nor for the velocity; the log has {} ({})",
                                       column_names(columns.log()),
                                       all.empty() ? "name it with --map x=\"COLUMN UNIT\""
                                                   : "perhaps, with your units: " + all)});
   }
+  if (x) doubt_command(columns, *x, notes);
   const std::optional<NamedColumn> r = columns.find(LogQuantity::kReference);
   std::vector<MotionColumn> all;
   if (x) all.push_back({LogQuantity::kPosition, *x});

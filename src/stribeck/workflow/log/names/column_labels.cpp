@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include <stribeck/workflow/log/names/column_labels.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
@@ -18,14 +19,18 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
   }
   for (const char mark : {'|', '/'}) {
     const auto at = name.rfind(mark);
-    if (at != std::string::npos && at > 0 && at + 1 < name.size())
-      out.push_back({name.substr(0, at), name.substr(at + 1)});
+    if (at == std::string::npos || at == 0 || at + 1 >= name.size()) continue;
+    Label label{name.substr(0, at), name.substr(at + 1)};
+    // "x/pos" has the axis in front.
+    if (label.base.size() == 1 && meaning_of(label.axis, "mm")) std::swap(label.base, label.axis);
+    out.push_back(std::move(label));
   }
   const auto bar = name.find_first_of("_ ");  // "z_pos", "z scale"
   if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
     const std::string prefix = name.substr(0, bar);
     const bool is_axis =
-        std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos &&
+        (std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos ||
+         (prefix[0] == 'j' && prefix.size() > 1)) &&
         std::all_of(prefix.begin() + 1, prefix.end(), [](unsigned char d) { return std::isdigit(d); });
     if (is_axis) out.push_back({name.substr(bar + 1), prefix});
   }
@@ -44,10 +49,13 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
 Label lettered(const io::Column& c) {
   std::string name = lower_case(c.name);
   std::replace(name.begin(), name.end(), '-', '_');
-  if (name.size() < 3 || name[1] != '_' ||
-      std::string_view("xyzabcuvw").find(name[0]) == std::string_view::npos)
-    return {};
-  return {name.substr(2), name.substr(0, 1)};
+  const auto bar = name.find('_');
+  if (bar == std::string::npos || bar == 0 || bar > 3 || bar + 1 == name.size()) return {};
+  const bool axis = std::string_view("xyzabcuvw").find(name[0]) != std::string_view::npos &&
+                    std::all_of(name.begin() + 1, name.begin() + static_cast<std::ptrdiff_t>(bar),
+                                [](unsigned char d) { return std::isdigit(d) != 0; });
+  if (!axis) return {};
+  return {name.substr(bar + 1), name.substr(0, bar)};
 }
 
 }  // namespace
@@ -58,8 +66,8 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   const auto another = [&](const io::Column& other) {
     const Label label = lettered(other);
     if (other.values.empty() || label.base != own.base || label.axis == own.axis) return false;
-    const bool plain = std::string_view("xyz").find(own.axis) != std::string_view::npos &&
-                       std::string_view("xyz").find(label.axis) != std::string_view::npos;
+    const bool plain = std::string_view("xyz").find(own.axis[0]) != std::string_view::npos &&
+                       std::string_view("xyz").find(label.axis[0]) != std::string_view::npos;
     return plain || label.axis == wanted || own.axis == wanted;
   };
   if (!own.axis.empty() && std::any_of(log.columns.begin(), log.columns.end(), another))

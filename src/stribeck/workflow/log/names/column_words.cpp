@@ -11,6 +11,7 @@
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/names/column_word_list.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
+#include <stribeck/workflow/log/names/name_letters.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -183,10 +184,11 @@ std::vector<std::string> parts_of(std::string_view name) {
   return parts;
 }
 
-/// "x", "z2", "4".
+/// "x", "z2", "4", "j1".
 bool is_axis(const std::string& part) {
   constexpr std::string_view kAxes = "xyzabcuvws";
-  const bool letter = kAxes.find(part[0]) != std::string_view::npos;
+  const bool joint = part[0] == 'j' && part.size() > 1;
+  const bool letter = joint || kAxes.find(part[0]) != std::string_view::npos;
   return part.size() <= 3 && std::all_of(part.begin() + (letter ? 1 : 0), part.end(), is_digit);
 }
 
@@ -365,44 +367,44 @@ std::string unit_of_object(const std::string& header) {
 
 namespace {
 
-/// Small letters, also of the Latin and Cyrillic ones that UTF-8 writes with two bytes: "É", "Ž", "С".
-std::string small_letters(const std::string& text) {
-  std::string out = lower_case(text);
-  for (std::size_t i = 0; i + 1 < out.size(); ++i) {
-    const auto first = static_cast<unsigned char>(out[i]);
-    const auto second = static_cast<unsigned char>(out[i + 1]);
-    const auto set = [&](unsigned a, unsigned b) {
-      out[i] = static_cast<char>(a);
-      out[i + 1] = static_cast<char>(b);
-    };
-    if (first == 0xC3 && second >= 0x80 && second <= 0x9E && second != 0x97) {
-      set(first, second + 0x20U);  // À to Þ
-    } else if ((first == 0xC4 || first == 0xC5) && second >= 0x80 && second <= 0xBF) {
-      // Ā to ž: pairs whose first is the capital; from Ĺ to Ň and from Ź on the first has an odd number.
-      const unsigned code = ((first & 0x1FU) << 6U) | (second & 0x3FU);
-      const bool odd = (code >= 0x139 && code <= 0x148) || (code >= 0x179 && code <= 0x17E);
-      const bool single =
-          code == 0x130 || code == 0x131 || code == 0x138 || code == 0x149 || code == 0x178 || code == 0x17F;
-      if (!single && (code % 2 == 1) == odd) set(0xC0U | ((code + 1) >> 6U), 0x80U | ((code + 1) & 0x3FU));
-    } else if (first == 0xD0 && second >= 0x90 && second <= 0x9F) {
-      set(first, second + 0x20U);  // А to П
-    } else if (first == 0xD0 && second >= 0xA0 && second <= 0xAF) {
-      set(0xD1, second - 0x20U);  // Р to Я
-    }
+/// "cur2", "Achse1 Ist": the number of the axis without a space.
+std::optional<NameMeaning> with_number(const std::vector<std::string>& parts, const std::string& unit) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::vector<std::string> others = parts;
+    const auto last = others[i].find_last_not_of("0123456789");
+    if (last == std::string::npos || last + 1 == others[i].size()) continue;
+    const std::string number = others[i].substr(last + 1);
+    others[i].erase(last + 1);
+    auto found = from_parts(others, unit);
+    if (!found) continue;
+    found->axis = number;
+    return found;
   }
-  return out;
+  return std::nullopt;
 }
 
-/// "ST_X.lrActPos": the type in front of a name of a PLC program (IEC 61131-3) belongs to no word.
-std::string without_type(const std::string& header) {
-  const auto dot = header.rfind('.');
-  const std::size_t first = dot == std::string::npos ? 0 : dot + 1;
-  for (const std::string_view type : {"lr", "r", "f", "di", "n", "d", "i"}) {
-    if (header.compare(first, type.size(), type) != 0 || first + type.size() >= header.size()) continue;
-    if (std::isupper(static_cast<unsigned char>(header[first + type.size()])) == 0) continue;
-    return header.substr(0, first) + header.substr(first + type.size());
+/// "PosCmdX", "xPosCmd", "curY", "IX [A]": the letter of the axis without a space.
+std::optional<NameMeaning> with_letter(const std::vector<std::string>& parts, const std::string& unit) {
+  // "posc" may be a commanded position.
+  constexpr std::string_view kBehind = "xyz", kInFront = "xyzabc";
+  for (const bool at_end : {true, false}) {
+    const std::string_view axes = at_end ? kBehind : kInFront;
+    std::vector<std::string> others = parts;
+    std::string& part = at_end ? others.back() : others.front();
+    if (part.size() < 2) continue;
+    const char letter = at_end ? part.back() : part.front();
+    if (axes.find(letter) == std::string_view::npos) continue;
+    part.erase(at_end ? part.size() - 1 : 0, 1);
+    auto found = from_parts(others, unit);
+    if (const auto quantity = by_unit(unit);
+        !found && at_end && others.size() == 1 &&
+        ((part == "i" && quantity == Word::kCurrent) || (part == "f" && quantity == Word::kForce)))
+      found = meaning(*quantity, false, 1);
+    if (!found) continue;
+    found->axis = letter;
+    return found;
   }
-  return header;
+  return std::nullopt;
 }
 
 std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& unit) {
@@ -447,9 +449,12 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
       return found;
     }
   }
-  auto found = from_parts(parts, unit);
-  if (found) found->axis = axis;
-  return found;
+  if (auto found = from_parts(parts, unit)) {
+    found->axis = axis;
+    return found;
+  }
+  auto glued = with_letter(parts, unit);
+  return glued ? glued : with_number(parts, unit);
 }
 
 }  // namespace
