@@ -93,7 +93,9 @@ void conclude(CompareRow& row, const std::vector<StatusCounter>& status, double 
   for (const Metrics& m : row.trials) {
     if (row.refused.empty() && !(m.max_contour_error <= kLost * size)) {
       row.refused =
-          "with noise, encoder and D/A converter the loop does not follow the path (error above a tenth of its extent)";
+          std::isinf(m.max_contour_error)
+              ? "the loop does not follow the path: an axis moves less than half as far as it should (friction holds it: gains too low, a wrong unit of a gain, or a drive without force)"
+              : "with noise, encoder and D/A converter the loop does not follow the path (error above a tenth of its extent)";
     }
   }
   if (!row.refused.empty()) {

@@ -164,8 +164,8 @@ void commanded(Tick<N>& tick, LawRunner<N>& law, std::span<const path::PathPoint
 template <std::size_t N>
 typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vector<plant::Axis>& axes,
                                             const std::vector<double>& gain, double period) {
-  typename MetricsCollector<N>::Sample s{tick.error,     tick.tracking,    {}, {}, {},
-                                         tick.in_glitch, tick.orientation, 0.0};
+  typename MetricsCollector<N>::Sample s{tick.error,     tick.tracking,    {},  {},           {},
+                                         tick.in_glitch, tick.orientation, 0.0, tick.position};
   for (std::size_t i = 0; i < N; ++i) {
     s.voltage[i] = axes[i].voltage();
     s.current[i] = axes[i].current();

@@ -30,12 +30,13 @@ inline constexpr double kGlitchTravel = 0.15e-3;  ///< [m]
 struct Metrics {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-  double max_contour_error = 0.0;  ///< [m]
-  double quadrant_glitch = 0.0;    ///< [m]; NaN when no axis reversed
-  double rms = 0.0;                ///< [m]
-  double sd = 0.0;                 ///< [m]
-  double mean_abs = 0.0;           ///< [m]
-  AxisValues mean_abs_tracking;    ///< [m]
+  double max_contour_error =
+      0.0;  ///< [m]; infinite where an axis stays behind: the point where a run begins is on the path
+  double quadrant_glitch = 0.0;  ///< [m]; NaN when no axis reversed
+  double rms = 0.0;              ///< [m]
+  double sd = 0.0;               ///< [m]
+  double mean_abs = 0.0;         ///< [m]
+  AxisValues mean_abs_tracking;  ///< [m]
   double power = 0.0;        ///< electrical, R·i² + K_e·θ̇·i, sum over the axes [W]; NaN when not known
   double mean_abs_ui = 0.0;  ///< [W]; NaN when the current is not known
   double input_variation = 0.0;              ///< [V]
@@ -168,6 +169,7 @@ class MetricsCollector {
     bool in_glitch = false;
     double orientation_error = Metrics::kUnknown;
     double mechanical_power = 0.0;
+    Vec<double, N> position;  ///< true [m]
   };
 
   void add(const Sample& s) noexcept {
@@ -183,6 +185,8 @@ class MetricsCollector {
     sum_orientation_ += s.orientation_error;
     mechanical_ += s.mechanical_power;
     for (std::size_t i = 0; i < N; ++i) {
+      is_[i].add(s.position[i]);
+      should_[i].add(s.position[i] - s.tracking_error[i]);
       tracking_[i] += std::abs(s.tracking_error[i]);
       ui_ += std::abs(s.voltage[i] * s.current[i]);
       power_ += s.power[i];
@@ -196,7 +200,7 @@ class MetricsCollector {
     const double n = count_;
     const double mean = sum_ / n;
     Metrics m;
-    m.max_contour_error = max_;
+    m.max_contour_error = stays_behind() ? std::numeric_limits<double>::infinity() : max_;
     m.quadrant_glitch = glitch_;
     m.rms = std::sqrt(sum_square_ / n);
     m.sd = std::sqrt(std::max(0.0, sum_square_ / n - mean * mean));
@@ -218,6 +222,28 @@ class MetricsCollector {
     double sum = 0.0;
     double count = 0.0;
   };
+  struct Range {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -std::numeric_limits<double>::infinity();
+
+    void add(double x) noexcept {
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+    [[nodiscard]] double size() const noexcept { return high - low; }
+  };
+
+  /// Whether an axis that has a part in the path moved less than half as far as it should.
+  [[nodiscard]] bool stays_behind() const noexcept {
+    constexpr double kHasPart = 0.1;  // of the axis that moves farthest
+    constexpr double kMoved = 0.5;
+    double farthest = 0.0;
+    for (const Range& r : should_) farthest = std::max(farthest, r.size());
+    for (std::size_t i = 0; i < N; ++i) {
+      if (should_[i].size() > kHasPart * farthest && is_[i].size() < kMoved * should_[i].size()) return true;
+    }
+    return false;
+  }
 
   /// A quadrant's window lasts as long as the axis needs for its first travel; the time after it is cut into windows of that length.
   void window(double error, bool in_quadrant) noexcept {
@@ -257,6 +283,8 @@ class MetricsCollector {
   double max_orientation_ = 0.0;
   double sum_orientation_ = 0.0;
   std::array<double, N> tracking_{};
+  std::array<Range, N> is_;      ///< of the positions
+  std::array<Range, N> should_;  ///< of the reference
   double ui_ = 0.0;
   double power_ = 0.0;
   double mechanical_ = 0.0;

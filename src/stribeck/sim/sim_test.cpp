@@ -216,6 +216,36 @@ TEST(Metrics, AreTheTextbookDefinitions) {
   EXPECT_NEAR(m.mechanical_power, (3 - 4 + 0 + 5) / 4.0, 1e-12);
 }
 
+// The first point of a circle is on the circle: an axis that friction holds there has no contour error.
+TEST(Metrics, AnAxisThatStaysBehindIsNoSmallError) {
+  for (const double moved : {0.0, 0.4, 0.6, 1.0}) {
+    MetricsCollector<2> c;
+    for (int k = 0; k < 400; ++k) {
+      const double phi = 0.02 * k;
+      MetricsCollector<2>::Sample s;
+      s.contour_error = 1e-6;
+      const Vec<double, 2> r{{10e-3 * std::cos(phi), 10e-3 * std::sin(phi)}};
+      s.position = {{10e-3 + moved * (r[0] - 10e-3), moved * r[1]}};
+      s.tracking_error = s.position - r;
+      c.add(s);
+    }
+    EXPECT_EQ(std::isinf(c.result().max_contour_error), moved < 0.5) << moved;
+  }
+}
+
+TEST(Compare, AControllerThatMovesNothingIsRefused) {
+  auto spec = test::bi_table();
+  spec.travels = {test::circle(3e-3, 1.0)};
+  spec.controllers = {biaxial_controllers()[0], biaxial_controllers()[5]};
+  auto& law = std::get<control::ContouringParams>(spec.controllers[0].law);
+  law.kp = {0.01};
+  law.kv = {0.2};
+  spec.trials = 1;
+  const auto result = compare(test::biaxial_table(), test::printed(), spec);
+  EXPECT_THAT(result.rows[0].refused, testing::HasSubstr("moves less than half as far as it should"));
+  EXPECT_EQ(result.rows[1].refused, "");
+}
+
 TEST(Metrics, ASampleThatIsNoNumberIsNotForgotten) {
   MetricsCollector<2> c;
   for (const double e : {5e-6, std::nan(""), 1e-6}) {

@@ -51,6 +51,21 @@ std::string errors_of(const std::vector<TravelBlock>& blocks, const RowsOfOne& r
   return listed(parts);
 }
 
+/// " (at 54 mm/s that of (k) is smaller)" for the speeds at which another controller has the smallest error; "" where there is none.
+std::string smaller_at(const std::vector<TravelBlock>& blocks, const RowsOfOne& chosen) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const sim::CompareRow* best = chosen[i];
+    for (const sim::CompareRow* r : blocks[i].rows) {
+      if (r->refused.empty() && r->mean.max_contour_error < best->mean.max_contour_error) best = r;
+    }
+    if (best != chosen[i])
+      parts.push_back(fmt::format("at {} {} leaves {}\u00A0µm", blocks[i].text, name_of(*best),
+                                  micrometres(best->mean.max_contour_error)));
+  }
+  return parts.empty() ? std::string() : " (" + listed(parts) + ")";
+}
+
 /// The first controller without any model or observer, else the first of all.
 RowsOfOne baseline(const std::vector<TravelBlock>& blocks) {
   if (blocks.front().rows.empty()) return {};
@@ -102,12 +117,14 @@ Recommendation recommendation(const std::vector<TravelBlock>& blocks, const sim:
       !standard.empty() && standard != best && cannot_be_told_apart(standard, best, result.spec.trials);
   const RowsOfOne& chosen = as_good ? standard : best;
   out.rows = chosen;
+  const std::string smaller = as_good ? std::string() : smaller_at(blocks, chosen);
   out.words = compared == 1
                   ? fmt::format("{} has a largest {} of {}.", full_name(*chosen.front()), error,
                                 errors_of(blocks, chosen))
-                  : fmt::format("Use {}: its largest {} is {}, {} of {} controllers.",
+                  : fmt::format("Use {}: its largest {} is {}, {} of {} controllers{}.",
                                 full_name(*chosen.front()), error, errors_of(blocks, chosen),
-                                as_good ? "not to be told from the smallest" : "the smallest", compared);
+                                as_good ? "not to be told from the smallest" : "the smallest", compared,
+                                smaller.empty() ? "" : " over all speeds together" + smaller);
   if (!standard.empty() && !as_good && standard != best)
     out.words +=
         fmt::format(" The default, {}, leaves {}.", name_of(*standard.front()), errors_of(blocks, standard));
@@ -119,7 +136,8 @@ Recommendation recommendation(const std::vector<TravelBlock>& blocks, const sim:
                            micrometres(chosen[i]->mean.max_contour_error), "µm"});
   const RowsOfOne plain = baseline(blocks);
   if (!plain.empty() && plain != chosen) {
-    out.numbers.push_back({fmt::format("of the error of {} remain", full_name(*plain.front())),
+    out.numbers.push_back({fmt::format("of the error of {} remain{}", full_name(*plain.front()),
+                                       blocks.size() > 1 ? ", geometric mean over the speeds" : ""),
                            significant(100.0 * std::exp(size_of(chosen) - size_of(plain)), 2), "%"});
   }
   return out;

@@ -52,6 +52,25 @@ TEST(Recommendation, TheDefaultIsNamedUnlessItIsWorse) {
   EXPECT_THAT(words, HasSubstr(" The default, (h), leaves 1.00\u00A0µm at 9.5 mm/s."));
 }
 
+TEST(Recommendation, SaysWhereAnotherControllerIsBetter) {
+  CompareReportInput in = two();
+  in.result.spec.travels.push_back(in.result.spec.travels.front());
+  in.result.spec.travels.back().speed = 54e-3;
+  for (const std::size_t k : {0U, 1U}) {
+    sim::CompareRow row = in.result.rows[k];
+    row.travel = 1;
+    row.mean.max_contour_error = k == 0 ? 2.5e-6 : 3.0e-6;
+    in.result.rows.push_back(row);
+  }
+  const Recommendation r = recommendation(blocks_of(in), in.result);
+  EXPECT_THAT(r.words, HasSubstr("Use (b)"));
+  EXPECT_THAT(
+      r.words,
+      HasSubstr(
+          "the smallest of 2 controllers over all speeds together (at 54 mm/s (a) leaves 2.50\u00A0µm)"));
+  EXPECT_THAT(r.numbers.back().name, HasSubstr("geometric mean over the speeds"));
+}
+
 TEST(Recommendation, NothingFiniteIsSaid) {
   CompareReportInput in = two();
   for (auto& row : in.result.rows) row.refused = "unstable";

@@ -3,7 +3,7 @@
 ///
 /// Controllers are built once, from the nominal machine and its identification; only the machines differ.
 ///
-///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
+///   lost    the contour error passed a tenth of the path's extent; an axis moved less than half as far as it should; or a drive was at its limit for more than 0.1 % of the
 ///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
 ///           result, not an error.
 ///
