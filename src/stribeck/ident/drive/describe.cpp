@@ -163,7 +163,8 @@ void Description::write_summary(int s) {
   const Summary summary = summary_of(map(), s, found_.rows.grid[side]);
   const std::string tail = std::string("_") + map::kSideName[side];
   const double d = map::kDirection[side];
-  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s), true);
+  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s),
+      summary.line_seen);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
                      summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
   const bool seen_at_rest =
@@ -175,7 +176,8 @@ void Description::write_summary(int s) {
     add("stribeck_speed" + tail, summary.stribeck_speed->value, "m/s", "mm/s",
         error_of(*summary.stribeck_speed, s), seen_at_rest);
   }
-  add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s), true);
+  add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s),
+      summary.line_seen);
 }
 
 /// Whether a reference asks for constant speeds below `speed` [m/s] for a second and more, one after the other.

@@ -12,6 +12,8 @@ constexpr double kFaded = 0.2;
 /// Of the top speed: points of a curve lie closer below it.
 constexpr double kKnee = 0.1;
 constexpr int kLinePoints = 21;
+/// Of the top speed of the other direction: a curve that ends before is all knee.
+constexpr double kAlike = 0.25;
 constexpr int kShownSpeeds = 9;
 
 Figure sum_of(double a, const Figure& x, double b, const Figure& y) {
@@ -23,7 +25,7 @@ bool has_line(const map::StaticFit& map, std::size_t side) {
   constexpr double kWidest = 0.5;  // of the top speed
   using Family = map::StaticFit::Family;
   if (map.family == Family::kSymmetric) return true;
-  if (map.family == Family::kSymmetricStribeck) return map.v0 <= kWidest * std::min(map.top[0], map.top[1]);
+  if (map.family == Family::kSymmetricStribeck) return map.v0 <= kWidest * std::max(map.top[0], map.top[1]);
   const map::BranchFit& b = map.branch[side];
   return b.terms.empty() || (b.centred && b.terms.front().c <= kWidest);
 }
@@ -69,6 +71,8 @@ Summary summary_of(const map::StaticFit& map, int side, const map::Grid& grid) {
   const Figure& level = line[0];
   const Figure& viscous = line[1];
   Summary out{level, viscous, friction_at(map, side, 0.0), {}, std::nullopt};
+  const auto s = static_cast<std::size_t>(side);
+  out.line_seen = has_line(map, s) || map.top[s] >= kAlike * map.top[1 - s];
   out.rise = sum_of(1.0, out.at_rest, -1.0, level);
   if (!(out.rise.value > 0.0)) return out;
   const auto above = [&](double speed) {

@@ -44,6 +44,23 @@ TEST(Summary, TheLineOfAnExponentialRiseIsThatOfTheLaw) {
   }
 }
 
+// Slow in one direction, fast in the other: a law of both directions is known from the fast one; a curve of the slow one alone is a knee.
+TEST(Summary, ASlowDirectionHasTheLineOfBothOrNone) {
+  map::StaticFit symmetric;
+  symmetric.family = map::StaticFit::Family::kSymmetricStribeck;
+  symmetric.top = {0.0125, 0.25};
+  symmetric.coulomb = 40.0, symmetric.viscous = 500.0, symmetric.rise = 12.0, symmetric.v0 = 0.01;
+  const Summary both = summary_of(symmetric, 0, {0.004, 0.0125, 50});
+  EXPECT_NEAR(both.coulomb.value, 40.0, 1e-9);
+  EXPECT_NEAR(both.viscous.value, 500.0, 1e-6);
+  EXPECT_TRUE(both.line_seen);
+  map::StaticFit curve = with_stribeck();
+  curve.top = {0.0125, 0.25};
+  for (map::BranchFit& b : curve.branch) b.terms = {{12.0, 0.0, 0.9}};
+  EXPECT_FALSE(summary_of(curve, 0, {0.004, 0.0125, 50}).line_seen);
+  EXPECT_TRUE(summary_of(curve, 1, {0.004, 0.25, 50}).line_seen);
+}
+
 // Each derivative against the difference of the figure when its parameter moves.
 TEST(Summary, DerivativesAreThoseOfTheFigures) {
   const map::StaticFit fit = with_stribeck();

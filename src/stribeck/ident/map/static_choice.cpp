@@ -91,9 +91,10 @@ std::vector<Candidate> rows_of(const std::vector<Scored>& scored, const Picked& 
 }
 Picked pick_of(const std::vector<Scored>& scored, double rows, double friction) {
   std::vector<std::vector<double>> loss;
-  std::vector<std::size_t> complexity;
-  for (const Scored& s : scored) loss.push_back(s.loss), complexity.push_back(s.complexity);
-  return pick(loss, complexity, rows, friction);
+  std::vector<std::size_t> complexity, parameters;
+  for (const Scored& s : scored)
+    loss.push_back(s.loss), complexity.push_back(s.complexity), parameters.push_back(s.parameters);
+  return pick(loss, complexity, parameters, rows, friction);
 }
 
 /// Gaussian fits of one direction, and their held-out errors.

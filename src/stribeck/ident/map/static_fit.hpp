@@ -93,7 +93,8 @@ struct StaticChoice {
 };
 
 /// The simplest within one standard error of the best, of paired differences over blocks, or within what does not count. loss: Σ residual²
-/// by candidate and block; friction [N]: its size.
+/// by candidate and block; friction [N]: its size. Among candidates of as many parameters, which differ in an exponent, the better one where it
+/// is better by three standard errors.
 struct Picked {
   std::size_t chosen = 0;
   std::vector<char> equal;    ///< within one standard error of the best
@@ -101,7 +102,7 @@ struct Picked {
   std::vector<double> error;  ///< standard error of its difference from the best [N]
 };
 Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& complexity,
-            double rows, double friction);
+            const std::vector<std::size_t>& parameters, double rows, double friction);
 
 StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const StaticOptions& options);
 

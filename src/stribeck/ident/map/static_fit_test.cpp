@@ -264,7 +264,7 @@ TEST(StaticFit, AWidthMovesByHalfAtMost) {
 TEST(StaticFit, PicksTheSimplestWithinOneStandardError) {
   const std::vector<std::vector<double>> loss{
       {100, 104, 96, 101, 99}, {101, 102, 97, 103, 98}, {150, 160, 140, 151, 149}};
-  const Picked p = pick(loss, {9, 4, 2}, 500.0, 10.0);
+  const Picked p = pick(loss, {9, 4, 2}, {9, 4, 2}, 500.0, 10.0);
   EXPECT_EQ(p.chosen, 1u);
   EXPECT_TRUE(p.equal[0]);
   EXPECT_TRUE(p.equal[1]);
@@ -276,11 +276,20 @@ TEST(StaticFit, PicksTheSimplestWithinOneStandardError) {
               std::sqrt((0.64 + 4.84 + 0.64 + 3.24 + 1.44) * 5.0 / 4.0) / 500.0 / (2.0 * p.rms[1]), 1e-12);
 }
 
+// Half a percent of the error that every block shows: the exponent is known, though a further term would not be worth it.
+TEST(StaticFit, PicksTheBetterOfTwoExponentsWhereItIsSure) {
+  const std::vector<std::vector<double>> loss{{1000, 1040, 960, 1010, 990}, {1010, 1051, 969, 1020, 1001}};
+  EXPECT_EQ(pick(loss, {6, 5}, {5, 5}, 500.0, 1000.0).chosen, 0u);
+  EXPECT_EQ(pick(loss, {6, 5}, {6, 5}, 500.0, 1000.0).chosen, 1u);
+  const std::vector<std::vector<double>> unsure{{1000, 1040, 960, 1010, 990}, {1060, 1001, 1009, 950, 1031}};
+  EXPECT_EQ(pick(unsure, {6, 5}, {5, 5}, 500.0, 1000.0).chosen, 1u);
+}
+
 // Noise hides a rise from a share of the error, not from the standard error of many blocks.
 TEST(StaticFit, PicksWhatExplainsAForceWorthItsFrictionHoweverLargeTheNoise) {
   const std::vector<std::vector<double>> loss{{1000, 1001, 999, 1000}, {1012, 1013, 1011, 1013}};
-  EXPECT_EQ(pick(loss, {9, 2}, 4.0, 1000.0).chosen, 1u);  // 3.5 N beside 1000 N
-  EXPECT_EQ(pick(loss, {9, 2}, 4.0, 100.0).chosen, 0u);
+  EXPECT_EQ(pick(loss, {9, 2}, {9, 2}, 4.0, 1000.0).chosen, 1u);  // 3.5 N beside 1000 N
+  EXPECT_EQ(pick(loss, {9, 2}, {9, 2}, 4.0, 100.0).chosen, 0u);
 }
 
 }  // namespace

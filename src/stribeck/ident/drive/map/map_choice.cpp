@@ -48,7 +48,7 @@ const char* const kTogether = "with periodic terms: ";
 struct JointFits {
   std::vector<JointFit> fits;
   std::vector<std::vector<double>> losses;  ///< of each fit, by block
-  std::vector<std::size_t> complexity;
+  std::vector<std::size_t> complexity, parameters;
 
   JointFits(const std::vector<map::StaticFit>& starts, const LinearFit& fit) {
     const std::size_t blocks = fit.sums.blocks;
@@ -60,6 +60,7 @@ struct JointFits {
         loss.push_back(loss_of(fit_jointly(joint.map, fit, k), fit.sums, k));
       losses.push_back(std::move(loss));
       complexity.push_back(joint.map.complexity());
+      parameters.push_back(joint.map.parameters());
       fits.push_back(std::move(joint));
     }
   }
@@ -99,7 +100,9 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
   losses.insert(losses.begin(), map.block_loss);
   std::vector<std::size_t> complexity = together.complexity;
   complexity.insert(complexity.begin(), map.fit.complexity());
-  const map::Picked picked = map::pick(losses, complexity, map.tested, map.friction);
+  std::vector<std::size_t> parameters = together.parameters;
+  parameters.insert(parameters.begin(), 0);  // none is the same law with another exponent
+  const map::Picked picked = map::pick(losses, complexity, parameters, map.tested, map.friction);
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     Candidate c;
     c.name = kTogether + together.fits[i].map.name();
@@ -120,8 +123,8 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
 std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit) {
   const JointFits together(choice.map.simple, fit);
   if (together.fits.empty()) return std::nullopt;
-  const map::Picked picked =
-      map::pick(together.losses, together.complexity, choice.map.tested, choice.map.friction);
+  const map::Picked picked = map::pick(together.losses, together.complexity, together.parameters,
+                                       choice.map.tested, choice.map.friction);
   choice.map.rivals.clear();
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     if (picked.equal[i] && i != picked.chosen) choice.map.rivals.push_back(together.fits[i].map);
