@@ -61,6 +61,12 @@ bool is_list(const py::handle& object) {
   return py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object);
 }
 
+/// A list from which a program has taken everything must not mean "all of them".
+void refuse_none(const std::string& name, const std::vector<std::string>& list) {
+  if (list.empty())
+    refuse(name, "got an empty list, expected at least one (leave the argument out to do without)");
+}
+
 }  // namespace
 
 py::str str_of(std::string_view text) {
@@ -188,6 +194,7 @@ std::vector<std::string> Keywords::quantities(const char* name, std::string_view
   if (!is_list(value) && !py::isinstance<py::array>(value)) return {quantity_of(name, value, unit)};
   std::vector<std::string> out;
   for (const py::handle& one : value) out.push_back(quantity_of(name, one, unit));
+  refuse_none(name, out);
   return out;
 }
 
@@ -210,6 +217,7 @@ std::vector<std::string> Keywords::texts(const char* name, std::string_view unit
   }
   if (!is_list(value)) wrong_type(name, value, "str, a list of str or a dict");
   for (const py::handle& one : value) out.push_back(text_or_number(name, one, unit));
+  refuse_none(name, out);
   return out;
 }
 

@@ -337,10 +337,12 @@ std::string range_text(const Quantity& q) {
   const bool below = std::isfinite(q.min);
   const bool above = std::isfinite(q.max);
   std::string text;
-  if (below) text = (q.min_excluded ? "above " : above ? "" : "at least ") + from_si(q.min, q);
+  Quantity one = q;  // both ends in one unit
+  if (below && above) one.shown = shown_unit(q.min, q);
+  if (below) text = (q.min_excluded ? "above " : above ? "" : "at least ") + from_si(q.min, one);
   if (above && below) text += q.min_excluded ? ", at most " : " to ";
   if (above && !below) text = "at most ";
-  if (above) text += from_si(q.max, q);
+  if (above) text += from_si(q.max, one);
   return text;
 }
 

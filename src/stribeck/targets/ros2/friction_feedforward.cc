@@ -3,8 +3,9 @@
 //   command = effort + mass * acceleration + friction(velocity, position) + load      of the commanded motion
 //
 // It is chainable. The controller before it writes its reference interfaces NAME/JOINT/effort, /velocity, /acceleration and /position,
-// and claims no interface of the hardware; this controller writes JOINT/effort. A reference that nobody writes stays NaN: without effort
-// the command is 0, as after deactivation: hold a joint that falls by a brake; without velocity there is no friction, without acceleration no mass, without position no periodic term.
+// and claims no interface of the hardware; this controller writes JOINT/effort. A reference that nobody writes stays NaN: without velocity
+// there is no friction, without acceleration no mass, without position no periodic term. Until the first effort nothing is commanded; where
+// the effort ends, the load alone is. Deactivation commands 0: hold a joint that falls by a brake.
 // Use the commanded velocity. The measured one changes its sign with the noise at rest, and the friction with it.
 //
 // The tables come from the YAML file that was written with this one. Friction jumps at a reversal: pre-sliding is not in it.
@@ -135,7 +136,8 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
   }
 
   controller_interface::CallbackReturn on_activate(const rclcpp_lifecycle::State &) override {
-    for (double & reference : reference_interfaces_) reference = std::numeric_limits<double>::quiet_NaN();
+    for (double & reference : reference_interfaces_) reference = kNone;
+    commanded_.assign(friction_.size(), false);
     return controller_interface::CallbackReturn::SUCCESS;
   }
 
@@ -179,9 +181,11 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
     for (std::size_t i = 0; i < friction_.size(); ++i) {
       const double * const reference = &reference_interfaces_[kQuantities * i];
       if (!std::isfinite(reference[0])) {
-        static_cast<void>(command_interfaces_[i].set_value(0.0));
+        // The command of the last period holds mass and friction of a motion that has ended: the load alone stays.
+        if (commanded_[i]) static_cast<void>(command_interfaces_[i].set_value(friction_[i].effort(kNone, kNone, kNone)));
         continue;
       }
+      commanded_[i] = true;
       static_cast<void>(
         command_interfaces_[i].set_value(reference[0] + friction_[i].effort(reference[2], reference[1], reference[3])));
     }
@@ -191,8 +195,11 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
  private:
   static constexpr std::size_t kQuantities = 4;  // effort, velocity, acceleration, position
 
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
   std::vector<std::string> joints_;
   std::vector<JointFriction> friction_;
+  std::vector<bool> commanded_;  // an effort has come since activation
 };
 
 }  // namespace stribeck_friction
