@@ -55,9 +55,10 @@ sim::ControllerSpec renamed(sim::ControllerSpec c) {
   return c;
 }
 
-std::string way_out(const sim::TunedController& c) {
-  if (!c.miss) return {};
-  switch (c.miss->limit) {
+namespace {
+
+std::string option_that_loosens(sim::Limit limit) {
+  switch (limit) {
     case sim::Limit::kPhaseMargin:
       return " (lower --phase-margin)";
     case sim::Limit::kGainMargin:
@@ -71,6 +72,16 @@ std::string way_out(const sim::TunedController& c) {
       break;
   }
   return " (start from slower gains: a file for --controller)";
+}
+
+}  // namespace
+
+std::string way_out(const sim::TunedController& c, int evaluations) {
+  if (!c.miss) return {};
+  std::string out = option_that_loosens(c.miss->limit);
+  if (c.evaluations >= evaluations)
+    out += fmt::format("; the search ended after --evaluations {}: first try more of them", evaluations);
+  return out;
 }
 
 }  // namespace stribeck::workflow

@@ -36,7 +36,7 @@ sim::TuneSpec tune_spec(const TuneOptions& options, const ParameterOptions& para
 /// The tuned controller under its own name, so that it can be listed beside the original one.
 sim::ControllerSpec renamed(sim::ControllerSpec controller);
 
-/// The option that would let some gains meet the limits; empty where some gains meet them.
-std::string way_out(const sim::TunedController& controller);
+/// The option that would let some gains meet the limits, and whether the search ended by the number of its evaluations; empty where some gains meet them.
+std::string way_out(const sim::TunedController& controller, int evaluations);
 
 }  // namespace stribeck::workflow

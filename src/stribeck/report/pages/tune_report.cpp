@@ -139,13 +139,9 @@ std::string worse_in_words(const sim::TunedController& c, const sim::TuneResult&
 std::string why_none(const sim::TunedController& c, const sim::TuneSpec& spec) {
   if (!c.refused.empty()) return clean_text(c.refused);
   if (!c.miss) return {};
-  const bool to_the_end = c.evaluations >= spec.evaluations;
-  return fmt::format(
-      "none found in {} tries, {} of them simulated{}; the nearest gains have {}{}", c.tries, c.evaluations,
-      c.miss->other_noise ? ", other noise breaks a limit" : "", in_words(*c.miss, spec),
-      to_the_end ? fmt::format("; the search ended with --evaluations {}: a longer one may find some",
-                               spec.evaluations)
-                 : "");
+  return fmt::format("none found in {} tries, {} of them simulated{}; the nearest gains have {}", c.tries,
+                     c.evaluations, c.miss->other_noise ? ", other noise breaks a limit" : "",
+                     in_words(*c.miss, spec));
 }
 
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec) {

@@ -76,8 +76,8 @@ std::string missed(const Tuning& t) {
   std::vector<std::string> all;
   for (const sim::TunedController& c : t.result.controllers) {
     if (!c.found())
-      all.push_back(
-          fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c, t.spec), way_out(c)));
+      all.push_back(fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c, t.spec),
+                                way_out(c, t.spec.evaluations)));
   }
   return report::joined(all, "; ");
 }
