@@ -198,7 +198,7 @@ stribeck_result configure(Controller<N>& c, double period) {
     const friction::AxisModel& model = c.settings[i].compensation.model;
     if (c.settings[i].force_limit && !model.drive_loop &&
         std::abs(model.load) >= *c.settings[i].force_limit) {
-      c.problem.set({kAxis[i], "load: not below force_limit, which could not hold it"});
+      c.problem.set({kAxis[i], "load: must be smaller than force_limit, otherwise the drive cannot hold it"});
       return STRIBECK_REFUSED;
     }
     if (!control::rate_is_known(c.settings[0].error_rate, c.settings[i].compensation.observer)) {

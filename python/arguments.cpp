@@ -217,7 +217,8 @@ std::vector<std::string> Keywords::texts(const char* name, std::string_view unit
   }
   if (!is_list(value)) wrong_type(name, value, "str, a list of str or a dict");
   for (const py::handle& one : value) out.push_back(text_or_number(name, one, unit));
-  refuse_none(name, out);
+  // An empty list of options is none of them; an empty choice would be everything.
+  if (std::string_view(name) == "only" || std::string_view(name) == "controllers") refuse_none(name, out);
   return out;
 }
 

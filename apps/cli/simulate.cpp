@@ -103,10 +103,16 @@ int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
   const sim::Metrics& m = one.rows.front().mean;
   io::write_csv(o.output, run.log);
   const std::string pace = travel.pace_in_words();
-  const std::string figures =
-      fmt::format("{} error max {:.2f} µm, RMS {:.3f} µm", one.axes.size() == 1 ? "tracking" : "contour",
-                  m.max_contour_error * 1e6, m.rms * 1e6);
+  const bool stands = std::isinf(m.max_contour_error);
+  const std::string figures = stands ? std::string("the path is not followed")
+                                     : fmt::format("{} error max {:.2f} µm, RMS {:.3f} µm",
+                                                   one.axes.size() == 1 ? "tracking" : "contour",
+                                                   m.max_contour_error * 1e6, m.rms * 1e6);
   std::vector<std::string> warnings = report::status_warnings(one);
+  if (stands)
+    warnings.emplace_back(
+        "an axis moves less than half as far as it should: friction holds it (gains too low, a wrong unit of a gain, or a drive "
+        "without force), so that errors of the path mean nothing");
   warnings.insert(warnings.end(), run.uncovered.begin(), run.uncovered.end());
   report_log(o.common, made_from(inputs_of(o)), errors_first(run.log, one.axes),
              fmt::format("Controller ({}) on {}", controller.id, travel.name),

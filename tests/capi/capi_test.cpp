@@ -10,6 +10,7 @@
 #include <fstream>
 #include <limits>
 #include <new>
+#include <random>
 #include <set>
 #include <span>
 #include <stribeck/control/drive_interface.hpp>
@@ -928,7 +929,7 @@ TEST(CInterface, ForcesStayWithinTheLimitBesideALoad) {
     EXPECT_EQ(stribeck_controller_set(h.c, 0, "load", load > 0.0 ? 61.0 : -61.0), STRIBECK_OK);
     EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
     EXPECT_STREQ(stribeck_controller_problem(h.c),
-                 "axis 0: load: not below force_limit, which could not hold it");
+                 "axis 0: load: must be smaller than force_limit, otherwise the drive cannot hold it");
   }
 }
 
@@ -993,6 +994,78 @@ TEST(CLaws, OneSampleThatOverflowsIsToldAndForgotten) {
         EXPECT_NEAR(x, 1e-2 * std::sin(20.0), 1e-3) << law << ' ' << observer << ' ' << wild;
       }
     }
+  }
+}
+
+// What the controller has learned must not come from such a sample, or go with it.
+TEST(CLaws, AWildSampleTeachesNothing) {
+  for (const char* observer : {"none", "kalman"}) {
+    for (const double wild : {0.0, 1.0, 1e20, 1e200, 1e306}) {
+      WithLaw h(1, "contouring", "contouring");
+      h.set("mass", 1000.0).set("omega", 40.0).set("force_limit", 600.0);
+      h.set("friction.conventional.alpha0", 50.0).set("friction.conventional.alpha2", 0.0);
+      h.choose("friction.dynamics", "lugre").set("friction.lugre.sigma0", 5e6);
+      h.choose("feedforward", "dynamic").choose("observer", observer).set("adaptation.enabled", 1.0);
+      ASSERT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+      double x = 0.0;
+      double v = 0.0;
+      double late = 0.0;
+      for (int k = 0; k < 20000; ++k) {
+        const double w = 3.14159265358979;
+        const double t = k * kPeriod;
+        const stribeck_axis_input in{1e-2 * std::sin(w * t), 1e-2 * w * std::cos(w * t),
+                                     -1e-2 * w * w * std::sin(w * t), wild > 0.0 && k == 8000 ? wild : x};
+        double force = 0.0;
+        stribeck_controller_step(h.c, &in, &force);
+        if (k > 12000) late = std::max(late, std::abs(x - in.position));
+        for (int s = 0; s < 10; ++s) {
+          v += 1e-4 * (force - 55.0 * std::tanh(v / 1e-4)) / 1030.0;
+          x += 1e-4 * v;
+        }
+      }
+      stribeck_axis_signals now{};
+      stribeck_controller_signals(h.c, 0, &now, sizeof now);
+      // 55 N beside 50 N of the model. After 1e306 m the law begins anew, and learns it once more.
+      EXPECT_NEAR(now.level, 0.08, 0.02) << observer << ' ' << wild;
+      EXPECT_LT(late, wild < 1e300 ? 8e-6 : 20e-6) << observer << ' ' << wild;
+    }
+  }
+}
+
+// Noise of the encoder may change the differenced velocity more than the drive can: it is no wild sample, and adaptation goes on.
+TEST(CLaws, NoiseOfTheEncoderIsNoWildSample) {
+  for (const double noise : {0.0, 0.1e-6, 1e-6}) {
+    WithLaw h(1, "contouring", "contouring");
+    h.set("mass", 1000.0).set("omega", 40.0).set("force_limit", 600.0);
+    h.set("friction.conventional.alpha0", 50.0).set("friction.conventional.alpha2", 0.0);
+    h.choose("friction.dynamics", "lugre").set("friction.lugre.sigma0", 5e6);
+    h.choose("feedforward", "dynamic").choose("observer", "none").set("adaptation.enabled", 1.0);
+    const double period = noise > 0.5e-6 ? 1e-3 : 1e-4;
+    h.set("encoder_resolution", noise > 0.5e-6 ? 1e-7 : 1e-9);
+    ASSERT_EQ(stribeck_controller_configure(h.c, period), STRIBECK_OK) << h.problem();
+    std::mt19937_64 engine(7);
+    std::normal_distribution<double> normal(0.0, 1.0);
+    double x = 0.0;
+    double v = 0.0;
+    double late = 0.0;
+    for (int k = 0; k < static_cast<int>(12.0 / period); ++k) {
+      const double w = 3.14159265358979;
+      const double t = k * period;
+      const stribeck_axis_input in{1e-2 * std::sin(w * t), 1e-2 * w * std::cos(w * t),
+                                   -1e-2 * w * w * std::sin(w * t), x + noise * normal(engine)};
+      double force = 0.0;
+      stribeck_controller_step(h.c, &in, &force);
+      if (t > 4.0) late = std::max(late, std::abs(x - in.position));
+      const int steps = static_cast<int>(period / 1e-4 + 0.5);
+      for (int s = 0; s < steps; ++s) {
+        v += 1e-4 * (force - 55.0 * std::tanh(v / 1e-4)) / 1030.0;
+        x += 1e-4 * v;
+      }
+    }
+    stribeck_axis_signals now{};
+    stribeck_controller_signals(h.c, 0, &now, sizeof now);
+    EXPECT_NEAR(now.level, 0.1, 0.05) << noise;
+    EXPECT_LT(late, 9e-6) << noise;
   }
 }
 

@@ -54,7 +54,9 @@ TEST(Tune, SaysNoWhenNoGainsMeetTheLimits) {
       said.err,
       HasSubstr(
           "where at most 0.001000 mV less 0.5 % for other noise are allowed (raise --input-variation)"));
-  EXPECT_THAT(said.err, HasSubstr("the search ended after --evaluations 12: first try more of them"));
+  EXPECT_THAT(
+      said.err,
+      HasSubstr("the search stopped at its limit of 12 evaluations: first try a larger --evaluations"));
   EXPECT_THAT(said.out, HasSubstr("50.8 → –"));
   EXPECT_FALSE(nlohmann::json::parse(text_of(f / "t.json"))["controllers"][0]["missed"].is_null());
   EXPECT_FALSE(std::filesystem::exists(f / "tuned/f.toml"));

@@ -189,7 +189,7 @@ class DriveInterface {
   std::array<DriveCommand, N> axes_;
   std::array<bool, N> present_{};
   std::array<bool, N>
-      reports_{};  ///< the drive says which force it makes; of another one a host may hand over anything
+      reports_{};  ///< the drive reports its force; the force that a host passes is ignored for others
   V mass_;         ///< [kg]
 };
 

@@ -74,12 +74,17 @@ class Common {
     std::array<bool, N> doubtful{};
     /// Supervision has limited the last force until the sign of the axis is proven: an integral would only wind up. Set by supervision.
     std::array<bool, N> cut{};
+    Vec<double, N> change;  ///< running mean of how much the differenced velocity changes in a period [m/s]
     StatusCounter status;
   };
 
   Common(const Setup<N>& setup, ErrorRate form) noexcept : setup_(setup), form_(form) {
-    for (std::size_t i = 0; i < N; ++i)
-      compensation_[i] = Compensation(with_known_force(setup.compensation[i]), setup.period);
+    for (std::size_t i = 0; i < N; ++i) {
+      const CompensationParams& c = setup.compensation[i];
+      compensation_[i] = Compensation(with_known_force(c), setup.period);
+      most_change_[i] = kNoDisturbance * (setup.force_limit[i] * setup.period / c.model.mass +
+                                          c.encoder_resolution / setup.period);
+    }
   }
 
   /// Tracking errors of this tick; false, and a status raised, when an input is not finite.
@@ -97,8 +102,11 @@ class Common {
     }
     for (std::size_t i = 0; i < N; ++i) {
       TrackingError& e = s.error[i];
+      const double before = e.started ? e.velocity : r.velocity[i];
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
-      compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i], s.doubtful[i]);
+      const bool wild = is_wild(s.change[i], abs(e.velocity - before), most_change_[i]);
+      compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i],
+                               s.doubtful[i] || wild);
       compensation_[i].forget_beyond(s.compensation[i], kNoDisturbance * setup_.force_limit[i]);
       // A drive's own loop holds the velocity; an observed one, which follows the force that it makes, would fight it.
       if (form_ == ErrorRate::kObserved && !setup_.compensation[i].model.drive_loop &&
@@ -143,12 +151,25 @@ class Common {
   [[nodiscard]] double period() const noexcept { return setup_.period; }
 
  private:
+  /// Whether the differenced velocity changed more than forces can do, and far more than it does otherwise: noise of the encoder may be
+  /// larger than both. Adaptation learns nothing from such a sample. One sample cannot lift the mean by much.
+  static bool is_wild(double& mean, double change, double most) noexcept {
+    constexpr double kFar = 10.0;
+    constexpr double kShare = 0.02;
+    if (!isfinite(most)) return false;
+    const bool wild = change > most && change > kFar * mean;
+    const double bound = 2.0 * mean + most;
+    mean += kShare * ((change < bound ? change : bound) - mean);
+    return wild;
+  }
+
   /// An estimate of this many force limits comes from a wild sample, and would hold the force at its limit for seconds.
   static constexpr double kNoDisturbance = 4.0;
 
   Setup<N> setup_;
   ErrorRate form_;
   std::array<Compensation, N> compensation_;
+  Vec<double, N> most_change_;  ///< of the velocity in a period, by forces and steps of the encoder [m/s]
 };
 
 /// Rᵀ is stored by rows, so R·v is a product with its transpose.

@@ -104,9 +104,10 @@ std::string example(std::string_view number, const Quantity& q) {
 /// turns.
 std::optional<double> rate_of(double value, std::string_view unit, const Quantity& q) {
   const std::string_view expected = q.unit;
-  if (q.shown == "rpm" && detail::find_unit(unit, "1/min").verdict == detail::UnitVerdict::kGood &&
-      unit.find("min") != std::string_view::npos)
-    return value * kTurn / 60.0;
+  if (q.shown == "rpm" && unit.find("min") != std::string_view::npos) {
+    if (const auto [verdict, found] = detail::find_unit(unit, "1/min"); verdict == detail::UnitVerdict::kGood)
+      return found(value) * kTurn / 60.0;
+  }
   const bool hertz = expected == "rad/s" && unit.find("Hz") != std::string_view::npos;
   const bool radians = expected == "1/s" && unit.find("rad") != std::string_view::npos;
   if (!hertz && !radians) return std::nullopt;
@@ -160,7 +161,7 @@ std::string period_of_rate(std::string_view got, std::string_view unit, const Qu
   } else if (unit.find("Hz") != std::string_view::npos && q.unit.find("/s") != std::string_view::npos) {
     message += " (Hz counts whole periods; convert it to " + wanted + ")";
   } else if (q.unit == "N" && detail::find_unit(unit, "kg").verdict == detail::UnitVerdict::kGood) {
-    message += " (" + in_quotes(unit) + " is a mass; its weight is written in kgf or lbf)";
+    message += " (" + in_quotes(unit) + " is a unit of mass; write a force in N, kgf or lbf)";
   } else {
     message += " (" + in_quotes(unit) + " is another kind of quantity)";
   }

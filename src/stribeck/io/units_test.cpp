@@ -101,13 +101,14 @@ TEST(Units, ReadsImperialUnitsInThePluralAndWithDots) {
   EXPECT_NEAR(to_si("0.0012 in-lb-s²", quantity("kg m2", "kg m2")), 0.0012 * 0.1129848, 1e-9);
   EXPECT_NEAR(to_si("600 lbs", quantity("kg", "kg")), 272.1554, 1e-3);
   EXPECT_NEAR(to_si("500 IPM", quantity("m/s", "mm/s")), 500.0 * 0.0254 / 60.0, 1e-12);
-  EXPECT_THAT(refusal("600 lbs", quantity("N", "N")), testing::HasSubstr("is a mass"));
+  EXPECT_THAT(refusal("600 lbs", quantity("N", "N")), testing::HasSubstr("is a unit of mass"));
 }
 
 // Where turns per minute are meant, the data sheet writes 1/min.
 TEST(Units, ASpeedOfAMotorMayBePerMinute) {
   for (const char* text : {"3000 min^-1", "3000 1/min", "3000/min", "3000 min-1"})
     EXPECT_NEAR(to_si(text, quantity("rad/s", "rpm")), 314.159265, 1e-6) << text;
+  EXPECT_NEAR(to_si("3 1000/min", quantity("rad/s", "rpm")), 314.159265, 1e-6);
   EXPECT_THAT(refusal("3000 1/s", quantity("rad/s", "rpm")), testing::HasSubstr("another kind"));
 }
 

@@ -31,7 +31,7 @@ struct Metrics {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
   double max_contour_error =
-      0.0;  ///< [m]; infinite where an axis stays behind: the point where a run begins is on the path
+      0.0;                       ///< [m]; infinite where an axis moves less than half as far as its reference
   double quadrant_glitch = 0.0;  ///< [m]; NaN when no axis reversed
   double rms = 0.0;              ///< [m]
   double sd = 0.0;               ///< [m]
@@ -235,12 +235,16 @@ class MetricsCollector {
 
   /// Whether an axis that has a part in the path moved less than half as far as it should.
   [[nodiscard]] bool stays_behind() const noexcept {
-    constexpr double kHasPart = 0.1;  // of the axis that moves farthest
+    constexpr double kHasPart = 0.1;  // of the axis that moves farthest, or
+    constexpr double kFar =
+        2e-3;  // [m] or [rad]: an axis that turns may go farther in numbers than one that moves
     constexpr double kMoved = 0.5;
     double farthest = 0.0;
     for (const Range& r : should_) farthest = std::max(farthest, r.size());
     for (std::size_t i = 0; i < N; ++i) {
-      if (should_[i].size() > kHasPart * farthest && is_[i].size() < kMoved * should_[i].size()) return true;
+      if (should_[i].size() > std::min(kFar, kHasPart * farthest) &&
+          is_[i].size() < kMoved * should_[i].size())
+        return true;
     }
     return false;
   }

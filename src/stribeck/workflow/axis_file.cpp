@@ -54,12 +54,13 @@ friction::AxisModel axis_file_model(const Identification& found, const AxisRecor
         "an axis file holds friction of both directions, but the axis moves in one only; add the motion back");
   }
   if (!(result.mass > 0.0)) {
-    std::string found_of_it;
-    for (const std::string& warning : result.warnings) found_of_it += "; " + warning;
+    std::string warnings;
+    for (const std::string& warning : result.warnings) warnings += (warnings.empty() ? "" : "; ") + warning;
+    if (!warnings.empty()) warnings = " (warnings of this log: " + warnings + ")";
     refuse_option("--output",
                   "an axis file needs the mass, which this log does not determine; give --mass or add a log "
                   "with acceleration" +
-                      found_of_it);
+                      warnings);
   }
   return as_model(result);
 }

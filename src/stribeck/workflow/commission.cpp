@@ -348,8 +348,8 @@ CommissionedAxis Run::in_closed_loop() {
     const double known = a.commissioning.mass;
     whole = whole_drive({triangles, turns, jogs()}, known);
     out_.assumed.push_back(fmt::format(
-        "axis {}: no motion within its limits determines the mass, because inertia is small beside friction: {:.4g} {}, the rough one of "
-        "the machine file, is used",
+        "axis {}: the mass could not be identified: within the limits of this axis the force of inertia is small compared with friction. "
+        "The rough mass of the machine file, {:.4g} {}, is used instead",
         name, known, a.rotary ? "kg m2" : "kg"));
   }
   sim::AxisKnowledge& knows = out_.knowledge;

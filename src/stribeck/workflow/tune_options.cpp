@@ -80,7 +80,8 @@ std::string way_out(const sim::TunedController& c, int evaluations) {
   if (!c.miss) return {};
   std::string out = option_that_loosens(c.miss->limit);
   if (c.evaluations >= evaluations)
-    out += fmt::format("; the search ended after --evaluations {}: first try more of them", evaluations);
+    out += fmt::format(
+        "; the search stopped at its limit of {} evaluations: first try a larger --evaluations", evaluations);
   return out;
 }
 

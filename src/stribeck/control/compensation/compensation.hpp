@@ -147,6 +147,8 @@ class Compensation {
                      doubtful ? s.adaptation.position + period_ * v : position, v,
                      s.last_acceleration + middle * s.last_jerk,
                      !s.limited && s.guard.trust == 1.0 && !(s.calming > 0.0), bridged || doubtful);
+    if (!isfinite(norm(s.adaptation.theta)))
+      std::construct_at(&s.adaptation);  // numbers overflowed: it begins anew
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 

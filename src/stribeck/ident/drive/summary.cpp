@@ -12,7 +12,7 @@ constexpr double kFaded = 0.2;
 /// Of the top speed: points of a curve lie closer below it.
 constexpr double kKnee = 0.1;
 constexpr int kLinePoints = 21;
-/// Of the top speed of the other direction: a curve that ends before is all knee.
+/// Of the top speed of the other direction: a curve that ends before ends within the Stribeck part.
 constexpr double kAlike = 0.25;
 constexpr int kShownSpeeds = 9;
 
@@ -33,7 +33,8 @@ bool has_line(const map::StaticFit& map, std::size_t side) {
 /// Level at rest and slope of the straight line.
 std::array<Figure, 2> line_of(const map::StaticFit& map, int side, const map::Grid& grid) {
   if (has_line(map, static_cast<std::size_t>(side))) {
-    const double far = 1e3 * grid.high;  // nothing is left of a Stribeck part there
+    const double far =
+        1e3 * std::max({grid.high, map.top[0], map.top[1]});  // nothing is left of a Stribeck part there
     const Figure near = friction_at(map, side, far), beyond = friction_at(map, side, 2.0 * far);
     return {sum_of(2.0, near, -1.0, beyond), sum_of(1.0 / far, beyond, -1.0 / far, near)};
   }

@@ -34,7 +34,8 @@ struct Summary {
   Figure at_rest;                        ///< [N]
   Figure rise;                           ///< of the friction at rest above the line [N]
   std::optional<Figure> stribeck_speed;  ///< [m/s]; absent where nothing rises towards rest
-  bool line_seen = true;  ///< false: this direction is too slow for its line, which is that of the knee
+  bool line_seen =
+      true;  ///< false: the speeds end within the Stribeck part, where no line is viscous friction
 };
 
 /// Friction against the motion at a speed [N].

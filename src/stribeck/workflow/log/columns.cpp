@@ -221,20 +221,6 @@ bool is_place(LogQuantity what) {
 
 bool is_force(LogQuantity what) { return std::find(kForces.begin(), kForces.end(), what) != kForces.end(); }
 
-/// The column that a text begins with, and the unit behind it; null: there is none.
-NamedColumn column_called(const io::Log& log, const std::string& text) {
-  NamedColumn named{log.find(text), {}};
-  // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
-  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
-       blank = text.rfind(' ', blank - 1)) {
-    if (const io::Column* c = log.find(text.substr(0, blank))) {
-      named.column = c;
-      named.unit = text.substr(blank + 1);
-    }
-  }
-  return named;
-}
-
 }  // namespace
 
 const std::string& header_of(const io::Column& c) { return c.header.empty() ? c.name : c.header; }
@@ -347,6 +333,19 @@ std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string
     if (fits) out.push_back({&c, c.unit_text});
   }
   return out;
+}
+
+NamedColumn column_called(const io::Log& log, const std::string& text) {
+  NamedColumn named{log.find(text), {}};
+  // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
+  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
+       blank = text.rfind(' ', blank - 1)) {
+    if (const io::Column* c = log.find(text.substr(0, blank))) {
+      named.column = c;
+      named.unit = text.substr(blank + 1);
+    }
+  }
+  return named;
 }
 
 NamedColumn named_column(const io::Log& log, const std::string& text) {

@@ -98,6 +98,8 @@ class AxisColumns {
   std::vector<std::pair<LogQuantity, NamedColumn>> maps_;
 };
 
+/// The longest name of a column that a text begins with, and the unit behind it; null: there is none.
+NamedColumn column_called(const io::Log& log, const std::string& text);
 /// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file.
 NamedColumn named_column(const io::Log& log, const std::string& text);
 

@@ -86,6 +86,31 @@ TEST(LogAxis, APositionMayBeACommandLessItsFollowingError) {
               Contains(HasSubstr("is a commanded position")));
 }
 
+// What may be one part of an axis, or commanded, is no axis.
+TEST(LogAxis, NumbersOfMotorsAndLettersOfCommandsAreNoAxes) {
+  EXPECT_THAT(refusal(csv("t [s],x [mm],Motor1 Current [A],Motor2 Current [A]", {"t", "x_mm", "f", "f"})),
+              HasSubstr("2 columns have the unit A"));
+  EXPECT_THAT(refusal(csv("t [s],cPos [mm],f [N]", {"t", "x_mm", "f"})),
+              HasSubstr("no column for the position"));
+  const std::string two = csv("t [s],x_cmd [mm],x_error [mm],y_cmd [mm],y_error [mm],x_force [N],y_force [N]",
+                              {"t", "x_mm", "x_mm", "x_mm", "x_mm", "f", "f"});
+  workflow::LogOptions options;
+  options.axis = "y";
+  EXPECT_THAT(refusal(two, options), HasSubstr("--map x=\"y_cmd mm - y_error mm\""));
+  // A name with a sign in it.
+  options = {};
+  options.maps = {"x=Axis 1 - Actual position mm"};
+  EXPECT_EQ(
+      axis_of(csv("t [s],Axis 1 - Actual position [mm],Force [N]", {"t", "x_mm", "f"}), options).x.y.size(),
+      3000U);
+  // A unit that scales that of the file is noted.
+  options.maps = {"x=Cmd um - Err um"};
+  EXPECT_THAT(workflow::logged_axis(log_of(csv("t [s],Cmd [mm],Err [um],Force [N]", {"t", "x_mm", "f", "f"})),
+                                    options)
+                  .notes,
+              Contains(HasSubstr("has the unit mm in the file")));
+}
+
 TEST(LogAxis, ColumnsOfTwoAxesByLetterAndNumber) {
   for (const auto& [header, axis] :
        {std::pair{"t [s],x [mm],y [mm],Fx [N],Fy [N]", "y"},
@@ -107,7 +132,7 @@ TEST(LogAxis, ColumnsOfTwoAxesByLetterAndNumber) {
 // The names of a log of one axis, x_act and x_cmd, are those of the axis X where there is another axis.
 TEST(LogAxis, AnAxisHasItsOwnColumns) {
   for (const std::string form : {"_act", "_cmd+_act", "_ref+_act", "_soll+_ist", " act", "_pos", "_fb",
-                                 "-cmd+-act", "_actual", "PosAct", "_enc", "/pos", "_des+_meas"}) {
+                                 "-cmd+-act", "_actual", "_enc", "/pos", "_des+_meas"}) {
     for (const std::string other : {"Y", "Z", "C"}) {
       std::string header = "t [s]";
       std::vector<std::string> what{"t"};

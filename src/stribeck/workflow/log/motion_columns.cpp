@@ -62,13 +62,23 @@ std::string with_following_error(const AxisColumns& columns) {
       "lageabweichung", "ferr",      "deviation", "poserror",      "ferror"};
   const std::optional<NamedColumn> command = columns.find(LogQuantity::kReference);
   if (!command) return {};
+  constexpr std::array<std::string_view, 5> kOfThePath{"contour", "kontur", "radial", "path", "bahn"};
+  const std::string wanted = axis_in_name(*command->column);
+  std::vector<const io::Column*> errors;
   for (const io::Column& c : columns.log().columns) {
-    if (c.values.empty() || !conversion_between(c.unit_text, "m") || !any_word(words_of_name(c.name), kWords))
+    const std::vector<std::string> words = words_of_name(c.name);
+    if (c.values.empty() || !conversion_between(c.unit_text, "m") || !any_word(words, kWords) ||
+        any_word(words, kOfThePath))
       continue;
-    return fmt::format("--map x=\"{} {} - {} {}\", or with + where the error is measured less commanded",
-                       command->column->name, command->unit, c.name, c.unit_text);
+    const bool other = std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+      return w.size() == 1 && w != wanted &&
+             std::string_view("xyzabcuvw").find(w[0]) != std::string_view::npos;
+    });
+    if (!other) errors.push_back(&c);
   }
-  return {};
+  if (errors.size() != 1) return {};
+  return fmt::format("--map x=\"{} {} - {} {}\", or with + where the error is measured less commanded",
+                     command->column->name, command->unit, errors.front()->name, errors.front()->unit_text);
 }
 
 /// Whether a position that --map names is a commanded one by its name.

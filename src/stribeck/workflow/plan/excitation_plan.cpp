@@ -22,12 +22,19 @@ constexpr std::array kMethods{ExcitationMethod::kJog, ExcitationMethod::kSine, E
                               ExcitationMethod::kConstantAcceleration, ExcitationMethod::kMultisine};
 constexpr std::array kAll{Wanted::kMass, Wanted::kFriction, Wanted::kBristles, Wanted::kDelay};
 
+/// Weight of what is missing; static friction, where friction is wanted, counts half.
+constexpr int kWhole = 2;
+
 /// How far a set of logs is from what is wanted: first how much is missing, then how wide the rest is.
 std::pair<int, double> distance(const ExpectedHalf& e, const std::vector<Wanted>& wanted) {
   int missing = 0;
   double wide = 0.0;
   for (const Wanted w : wanted) {
-    if (!e.good(w)) ++missing;
+    if (!e.good(w)) {
+      missing += kWhole;
+    } else if (w == Wanted::kFriction && !e.at_rest) {
+      ++missing;
+    }
     wide += std::isfinite(e[w]) ? std::min(e[w], 1.0) : 2.0;
   }
   return {missing, wide};
@@ -36,7 +43,7 @@ std::pair<int, double> distance(const ExpectedHalf& e, const std::vector<Wanted>
 /// One that has been found good is not given up for a few percent of width.
 bool better(std::pair<int, double> a, double seconds_a, std::pair<int, double> b, double seconds_b) {
   if (a.first != b.first) return a.first < b.first;
-  if (a.first == 0) return seconds_a < seconds_b;
+  if (a.first < kWhole) return seconds_a < seconds_b;
   return a.second < b.second;
 }
 
@@ -215,6 +222,10 @@ std::string text_of(const ExcitationPlan& plan) {
                              enum_name(w))
                : fmt::format("Not determined within {:.0f} s: {}.\n", plan.options.longest, enum_name(w));
   }
+  const auto& wanted = plan.options.wanted;
+  const bool asked = std::find(wanted.begin(), wanted.end(), Wanted::kFriction) != wanted.end();
+  if (asked && plan.together.good(Wanted::kFriction) && !plan.together.at_rest)
+    out += "Static friction is not determined by it: record slow jogs as well (--method jog).\n";
   out +=
       plan.options.known.empty()
           ? "This is computed from the rough mass and friction of the machine file; identify, and ask again with --known AXIS.toml.\n"

@@ -107,8 +107,8 @@ ExpectedHalf told_by(const Identification& found, const AxisDescription& axis, d
     const ident::Parameter* p = r.find(name);
     return p != nullptr && !p->identifiable;
   };
-  if (!open("static_positive") && !open("static_negative"))
-    out[Wanted::kFriction] = half_of_curve(r, axis.limits.speed);
+  out[Wanted::kFriction] = half_of_curve(r, axis.limits.speed);
+  out.at_rest = !open("static_positive") && !open("static_negative");
   if (const ident::Parameter* p = r.find("break_away_distance"))
     out[Wanted::kBristles] = half_of(p, std::abs(p->value));
   out[Wanted::kDelay] = half_of(r.find("force_shift"), period);

@@ -40,6 +40,7 @@ inline constexpr std::size_t kWantedCount = 4;
 struct ExpectedHalf {
   static constexpr double kOpen = std::numeric_limits<double>::infinity();
   std::array<double, kWantedCount> half{kOpen, kOpen, kOpen, kOpen};
+  bool at_rest = false;  ///< static friction is told as well
 
   [[nodiscard]] double operator[](Wanted w) const { return half[static_cast<std::size_t>(w)]; }
   double& operator[](Wanted w) { return half[static_cast<std::size_t>(w)]; }

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/names/column_labels.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 
@@ -66,6 +67,10 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   const auto another = [&](const io::Column& other) {
     const Label label = lettered(other);
     if (other.values.empty() || label.base != own.base || label.axis == own.axis) return false;
+    // "y_act [V]" beside "x_act [mm]" is another quantity.
+    const bool units = !c.unit_text.empty() && !other.unit_text.empty();
+    const bool angles = conversion_between(c.unit_text, "rad") || conversion_between(other.unit_text, "rad");
+    if (units && !angles && !conversion_between(other.unit_text, c.unit_text)) return false;
     const bool plain = std::string_view("xyz").find(own.axis[0]) != std::string_view::npos &&
                        std::string_view("xyz").find(label.axis[0]) != std::string_view::npos;
     return plain || label.axis == wanted || own.axis == wanted;

@@ -16,8 +16,9 @@ NamedColumn named_difference(const io::Log& log, const std::string& text) {
                   : plus == std::string::npos ? minus
                                               : std::max(minus, plus);
   // A column may have such a name itself.
-  const bool whole = at == std::string::npos || log.find(text) != nullptr ||
-                     log.find(text.substr(0, text.find(' ', at + 3))) != nullptr;
+  const io::Column* named = at == std::string::npos ? nullptr : column_called(log, text).column;
+  const bool whole = at == std::string::npos ||
+                     (named != nullptr && header_of(*named).size() > at && named->name.size() > at);
   if (whole) return named_column(log, text);
   NamedColumn first = named_difference(log, text.substr(0, at));
   const NamedColumn second = named_column(log, text.substr(at + 3));
@@ -35,7 +36,8 @@ NamedColumn named_difference(const io::Log& log, const std::string& text) {
     made->values[k] += sign * (*factor)(second.column->values[k]);
   made->name += text.substr(at, 3) + second.column->name;
   made->header = made->name;
-  made->unit_text = first.unit;
+  // Where the file says another unit, the message of a unit that replaces it compares with the file's.
+  if (made->unit_text.empty()) made->unit_text = first.unit;
   first.column = made.get();
   first.made = std::move(made);
   return first;

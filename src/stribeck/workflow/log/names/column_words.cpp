@@ -375,6 +375,13 @@ std::optional<NameMeaning> with_number(const std::vector<std::string>& parts, co
     if (last == std::string::npos || last + 1 == others[i].size()) continue;
     const std::string number = others[i].substr(last + 1);
     others[i].erase(last + 1);
+    // "Motor2", "Encoder1": numbers of parts of one axis.
+    std::vector<Word> words;
+    const bool names_axis = others[i] == "axis" || others[i] == "achse" || others[i] == "joint";
+    if (!names_axis && (!read_words(others[i], words) || std::all_of(words.begin(), words.end(), [](Word w) {
+          return w == Word::kNothing || role(w);
+        })))
+      continue;
     auto found = from_parts(others, unit);
     if (!found) continue;
     found->axis = number;
@@ -385,20 +392,21 @@ std::optional<NameMeaning> with_number(const std::vector<std::string>& parts, co
 
 /// "PosCmdX", "xPosCmd", "curY", "IX [A]": the letter of the axis without a space.
 std::optional<NameMeaning> with_letter(const std::vector<std::string>& parts, const std::string& unit) {
-  // "posc" may be a commanded position.
-  constexpr std::string_view kBehind = "xyz", kInFront = "xyzabc";
+  // "posc" and "cpos" may be a commanded position.
+  constexpr std::string_view kAxes = "xyz";
   for (const bool at_end : {true, false}) {
-    const std::string_view axes = at_end ? kBehind : kInFront;
     std::vector<std::string> others = parts;
     std::string& part = at_end ? others.back() : others.front();
     if (part.size() < 2) continue;
     const char letter = at_end ? part.back() : part.front();
-    if (axes.find(letter) == std::string_view::npos) continue;
+    if (kAxes.find(letter) == std::string_view::npos) continue;
     part.erase(at_end ? part.size() - 1 : 0, 1);
     auto found = from_parts(others, unit);
     if (const auto quantity = by_unit(unit);
         !found && at_end && others.size() == 1 &&
-        ((part == "i" && quantity == Word::kCurrent) || (part == "f" && quantity == Word::kForce)))
+        ((part == "i" && quantity == Word::kCurrent) || (part == "f" && quantity == Word::kForce) ||
+         ((part == "t" || part == "m") && quantity == Word::kTorque) ||
+         (part == "v" && quantity == Word::kVelocity)))
       found = meaning(*quantity, false, 1);
     if (!found) continue;
     found->axis = letter;

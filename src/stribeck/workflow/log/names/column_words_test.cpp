@@ -32,7 +32,6 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"xist", LogQuantity::kPosition, ""},
       {"PosCmdX", LogQuantity::kReference, "x"},
       {"xActPos", LogQuantity::kPosition, "x"},
-      {"CPosAct", LogQuantity::kPosition, "c"},
       {"CurY", LogQuantity::kCurrent, "y"},
       {"Cur2", LogQuantity::kCurrent, "2"},
       {"J1 pos cmd", LogQuantity::kReference, "j1"},
