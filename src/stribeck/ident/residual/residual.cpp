@@ -228,6 +228,8 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
   const Rows rows = collected.take();
   if (rows.high > rows.low && rows.friction > 0.0) {
+    find_one_sided(rows, out);
+    if (out.one_sided) return out;  // it would look like any of the causes below
     find_causes(collected.left, rows, out);
     find_changes(rows, out);
   }

@@ -9,10 +9,10 @@
 ///   causes      each a few columns beside a, v, 1 and sgn v: a force that grows with position (spring, cable chain);
 ///               sin and cos of an angle (an arm, an unbalanced table); a mass that grows with the frequency;
 ///               friction along the travel; a tight spot (causes.cpp); a sudden change; logs that differ; speeds in order,
-///               which hide a change (changes.cpp); a table on a spring (elastic.cpp)
+///               which hide a change (changes.cpp); a table on a spring (elastic.cpp); a force in one direction (one_sided.cpp)
 ///
 /// A cause is told with the excitation that would separate it where this motion does not. Three causes are forces that
-/// may be taken off before a second fit: `elastic`, `spring` and `unbalance`.
+/// may be taken off before a second fit: `elastic`, `spring` and `unbalance`. Rows with a force in one direction are left out of it.
 ///
 /// Works on records and a result alone, whichever method made it. Real time: no.
 /// Errors: those of log::reconstruct.
@@ -24,6 +24,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,27 @@ struct Elastic {
   Interval table_interval;      ///< [kg]
 };
 
+/// A force against the motion in one direction, on a part of the travel that the other direction passes without it.
+struct OneSided {
+  double direction = 1.0;         ///< of the motion that it opposes
+  double force = 0.0;             ///< mean [N]
+  double from = 0.0;              ///< [m]
+  double to = 0.0;                ///< [m]
+  bool from_the_low_end = false;  ///< of the travel
+  bool to_the_high_end = false;
+  bool enough_left = false;  ///< rows of this direction without it, to identify friction and mass from
+
+  [[nodiscard]] bool holds(double x) const noexcept {
+    return (from_the_low_end || x >= from) && (to_the_high_end || x <= to);
+  }
+};
+
+/// Marks the rows on which that force acts, so that no fit uses them.
+void leave_out(const OneSided& force, log::Record& record);
+
+/// What it is and where it acts, without a full stop.
+std::string in_words(const OneSided& force, const Shown& shown);
+
 /// Value at a row and a share of a row, straight between rows; beyond the ends that of the end. `values` must not be empty.
 double value_between(const std::vector<double>& values, double row);
 
@@ -96,6 +118,7 @@ struct Diagnosis {
   std::optional<Elastic> elastic;      ///< well determined
   std::optional<Spring> spring;        ///< well determined
   std::optional<Unbalance> unbalance;  ///< well determined
+  std::optional<OneSided> one_sided;   ///< well determined; then nothing else is looked for
   /// By how much the mass is too large because the drive gives way between motor and load [kg]; 0: no sign of it.
   double elastic_mass = 0.0;
   std::vector<std::string> warnings;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/motion.hpp>
@@ -57,10 +58,29 @@ struct Rows {
   [[nodiscard]] Shown shown() const { return Shown(*this); }
 };
 
+using Columns = std::vector<std::function<double(const Row&)>>;
+
+/// Least squares of the residual, or of the whole force, on columns, those of the model first.
+struct Fit {
+  Eigen::MatrixXd X;
+  Eigen::VectorXd theta, left;
+  std::vector<double> half;  ///< of 95 %
+  std::vector<double> told;  ///< share of each column that the others do not explain
+  double square = 0.0;       ///< of what is left
+};
+
+// columns.cpp
+/// Acceleration, and any friction over speed: straight pieces between knots for each direction, load included. A model
+/// that was fitted without a cause has taken part of it for friction; these columns give it back.
+Columns model_columns(const Rows& rows);
+Fit fit(const Rows& rows, const Columns& columns, double Row::*target = &Row::e);
 // lines.cpp
 void find_lines(const std::vector<Left>& left, double mass, Quality& quality);
 // causes.cpp
 void find_causes(const std::vector<Left>& left, const Rows& rows, Diagnosis& out);
+// one_sided.cpp
+/// Nothing where a force in both directions explains as much.
+void find_one_sided(const Rows& rows, Diagnosis& out);
 // elastic.cpp
 /// A table on a spring behind the motor, where it explains much of `force` [N] that the columns of the rigid model (`base`, the
 /// acceleration first, one line for each row) leave; `rigid_mass`: mass of that model [kg].

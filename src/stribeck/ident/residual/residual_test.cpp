@@ -225,6 +225,46 @@ TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {
   EXPECT_THAT(tight.warnings, Contains(AllOf(HasSubstr("a tight spot"), HasSubstr("higher between"))));
 }
 
+// Milling one way and back through the air. The map that is handed over is that of a fit which does not know the force.
+TEST(Residual, FindsAForceInOneDirection) {
+  const auto cut = [](double direction) {
+    return [direction](const Moment& m) {
+      return direction * m.v > 0.0 && direction * m.x > 0.02 ? direction * 15.0 : 0.0;
+    };
+  };
+  for (const double direction : {1.0, -1.0}) {
+    const Diagnosis d = diagnose({record_of(two_sines, cut(direction))}, truth());
+    ASSERT_TRUE(d.one_sided) << direction;
+    EXPECT_EQ(d.one_sided->direction, direction);
+    EXPECT_NEAR(d.one_sided->force, 15.0, 1.5);
+    EXPECT_NEAR(direction > 0.0 ? d.one_sided->from : -d.one_sided->to, 0.02, 0.005);
+    EXPECT_EQ(d.one_sided->to_the_high_end, direction > 0.0);
+    EXPECT_EQ(d.one_sided->from_the_low_end, direction < 0.0);
+    EXPECT_TRUE(d.one_sided->enough_left);
+    EXPECT_THAT(in_words(*d.one_sided, Shown()),
+                AllOf(HasSubstr(direction > 0.0 ? "in positive direction" : "in negative direction"),
+                      HasSubstr("a process force")));
+  }
+}
+
+TEST(Residual, LeavesOutTheRowsOfAForceInOneDirection) {
+  log::Record record = record_of(two_sines, none);
+  leave_out({1.0, 15.0, 0.02, 0.05, false, false, true}, record);
+  for (std::size_t k = 100; k + 100 < record.x.size(); ++k) {
+    const double x = record.x[k], v = record.x[k + 1] - record.x[k - 1];
+    if (std::abs(v) < 1e-6) continue;
+    EXPECT_EQ(record.skip[k], v > 0.0 && x >= 0.02 && x <= 0.05 ? 1 : 0) << record.t[k];
+  }
+}
+
+TEST(Residual, AForceInBothDirectionsIsNotInOne) {
+  const auto spring = [](const Moment& m) { return 500.0 * m.x; };
+  const auto rough = [](const Moment& m) { return m.x > 0.02 ? 15.0 * sign(m.v) : 0.0; };
+  const auto uneven = [](const Moment& m) { return m.v > 0.0 ? 15.0 : 0.0; };
+  for (const Extra& extra : {Extra(none), Extra(spring), Extra(rough), Extra(uneven)})
+    EXPECT_FALSE(diagnose({record_of(two_sines, extra)}, truth()).one_sided);
+}
+
 TEST(Residual, TellsASuddenChangeFromADrift) {
   const auto step = [](const Moment& m) { return m.t > 20.0 ? sign(m.v) * 0.25 * kCoulomb : 0.0; };
   EXPECT_THAT(diagnose({record_of(two_sines, step)}, truth()).warnings,

@@ -237,15 +237,33 @@ bool prepare(ident::residual::Diagnosis& found, ident::residual::Diagnosis& all)
   return found.elastic || found.spring || found.unbalance;
 }
 
-}  // namespace
+/// A force that acts in one direction is no friction, and no number of a fit that contains it holds.
+void doubt_all(const std::string& what, ident::Result& r) {
+  for (ident::Parameter& p : r.parameters) p.identifiable = false;
+  r.cannot_tell.push_back(what + ": record the motion without it; no number of this result holds");
+}
 
-Identification diagnosed(const AxisRecords& logged, const Identify& method) {
+/// `may_leave_out`: rows on which such a force acts; once.
+Identification diagnosed(const AxisRecords& logged, const Identify& method, bool may_leave_out) {
   Identification found = method(logged, Depth::kWhole);
   if (!has_residual(found)) return found;
   std::optional<AxisRecords> before_filter;
   if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
   const AxisRecords& axis = before_filter ? *before_filter : logged;
   ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
+  if (d.one_sided) {
+    const std::string what = in_words(
+        *d.one_sided, ident::Shown(found.result.position_unit, found.result.force_unit, logged.rotary));
+    if (may_leave_out && d.one_sided->enough_left && may_run_again(found.result.method)) {
+      AxisRecords clean = logged;
+      for (ident::log::Record& r : clean.records) leave_out(*d.one_sided, r);
+      Identification again = diagnosed(clean, method, false);
+      again.result.warnings.push_back(what + "; these rows are left out");
+      return again;
+    }
+    doubt_all(what, found.result);
+    return found;
+  }
   std::optional<Cleaned> last;
   ident::residual::Diagnosis taken;
   double rms = kNaN;  // that the logs leave with the forces that were taken off
@@ -288,6 +306,12 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method) {
   r.warnings.insert(r.warnings.end(), d.warnings.begin(), d.warnings.end());
   r.cannot_tell.insert(r.cannot_tell.end(), d.cannot_tell.begin(), d.cannot_tell.end());
   return found;
+}
+
+}  // namespace
+
+Identification diagnosed(const AxisRecords& logged, const Identify& method) {
+  return diagnosed(logged, method, true);
 }
 
 }  // namespace stribeck::workflow
