@@ -1,7 +1,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <stribeck/ident/stats/long_run.hpp>
+#include <unsupported/Eigen/FFT>
 
 namespace stribeck::ident::stats {
 namespace {
@@ -12,6 +14,59 @@ constexpr std::size_t kBlocksOfLag = 8;
 constexpr std::size_t kRowsForMemory = 60000;
 constexpr std::size_t kLongestLag = 2000;
 constexpr double kNegligible = 0.05;
+
+constexpr std::size_t kFewLags = 32;  // which are summed one by one
+constexpr std::size_t kMostGaps =
+    8;  // rows of a record for each one that has a residual, to lay them side by side
+
+/// Σ e_i·e_j over rows of one record that are `lag` rows apart, and how many these are.
+struct Products {
+  double sum = 0.0;
+  double pairs = 0.0;
+};
+
+Products products_at(std::size_t lag, std::size_t n, const std::vector<double>& e,
+                     const std::vector<int>& record, const std::vector<std::size_t>& at) {
+  Products out;
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i == 0 || record[i] != record[i - 1]) j = i;
+    while (at[i] - at[j] > lag) ++j;
+    if (at[i] - at[j] == lag) out.sum += e[i] * e[j], out.pairs += 1.0;
+  }
+  return out;
+}
+
+/// Adds the correlation of a series with itself to `sums`, one element for each lag.
+void add_correlation(std::vector<double> series, std::vector<double>& sums) {
+  std::size_t size = 1;
+  while (size < series.size() + sums.size()) size *= 2;
+  series.resize(size, 0.0);
+  Eigen::FFT<double> fft;
+  std::vector<std::complex<double>> spectrum;
+  fft.fwd(spectrum, series);
+  for (std::complex<double>& c : spectrum) c = std::norm(c);
+  fft.inv(series, spectrum);
+  for (std::size_t lag = 0; lag < sums.size(); ++lag) sums[lag] += series[lag];
+}
+
+/// The same for all lags below `lags`, by the spectrum. Empty where the rows have too many gaps for it.
+std::vector<Products> products_below(std::size_t lags, std::size_t n, const std::vector<double>& e,
+                                     const std::vector<int>& record, const std::vector<std::size_t>& at) {
+  std::vector<double> sums(lags, 0.0), pairs(lags, 0.0);
+  for (std::size_t from = 0, to = 0; from < n; from = to) {
+    while (to < n && record[to] == record[from]) ++to;
+    const std::size_t length = at[to - 1] - at[from] + 1;
+    if (length > kMostGaps * (to - from) + lags) return {};
+    std::vector<double> values(length, 0.0), present(length, 0.0);
+    for (std::size_t i = from; i < to; ++i) values[at[i] - at[from]] = e[i], present[at[i] - at[from]] = 1.0;
+    add_correlation(std::move(values), sums);
+    add_correlation(std::move(present), pairs);
+  }
+  std::vector<Products> out;
+  for (std::size_t lag = 0; lag < lags; ++lag) out.push_back({sums[lag], std::round(pairs[lag])});
+  return out;
+}
 
 }  // namespace
 
@@ -24,19 +79,12 @@ Memory memory_of(const std::vector<double>& e, const std::vector<int>& record,
   for (std::size_t i = 0; i < n; ++i) square += e[i] * e[i];
   if (!(square > 0.0)) return m;
   square /= static_cast<double>(n);
-  for (std::size_t lag = 1; lag < std::min(kLongestLag, n / 4); ++lag) {
-    double sum = 0.0;
-    std::size_t pairs = 0;
-    std::size_t j = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == 0 || record[i] != record[i - 1]) j = i;
-      while (at[i] - at[j] > lag) ++j;
-      if (at[i] - at[j] == lag) {
-        sum += e[i] * e[j];
-        ++pairs;
-      }
-    }
-    const double rho = pairs > 0 ? sum / static_cast<double>(pairs) / square : 0.0;
+  const std::size_t lags = std::min(kLongestLag, n / 4);
+  std::vector<Products> all;
+  for (std::size_t lag = 1; lag < lags; ++lag) {
+    if (lag == kFewLags) all = products_below(lags, n, e, record, at);
+    const Products p = all.empty() ? products_at(lag, n, e, record, at) : all[lag];
+    const double rho = p.pairs > 0.0 ? p.sum / p.pairs / square : 0.0;
     if (rho < kNegligible) break;
     m.rows += rho;
   }

@@ -72,6 +72,26 @@ TEST(LongRun, GapsNeitherLoseNorInventCorrelation) {
   EXPECT_NEAR(mean, 19.0, 2.0);
 }
 
+// Correlation over hundreds of rows, in two records with gaps: ½ + Σ ρ^l is 49.5 for ρ = 0.98, 2.5 of them below the lag where it ends.
+TEST(LongRun, ALongMemoryIsThatOfItsNoise) {
+  const std::size_t n = 20000;
+  double mean = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const std::vector<double> first = coloured(n, 0.98, seed), second = coloured(n, 0.98, 100 + seed);
+    std::vector<double> e;
+    std::vector<int> record;
+    std::vector<std::size_t> at;
+    for (const int r : {0, 1}) {
+      for (std::size_t k = 0; k < n; ++k) {
+        if (k % 700 < 100) continue;
+        e.push_back((r == 0 ? first : second)[k]), record.push_back(r), at.push_back(k);
+      }
+    }
+    mean += memory_of(e, record, at).rows / 40.0;
+  }
+  EXPECT_NEAR(mean, 47.0, 3.0);
+}
+
 TEST(LongRun, RecordsAreIndependent) {
   LongRun sum(1, {5.0, 1, 10});
   *sum.row(0, 0) += 3.0;
