@@ -13,6 +13,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/shell_words.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/machine.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -67,6 +68,10 @@ int init(InitCommand o) {
   if (o.draft.name.find_first_of("\"\\\n") != std::string::npos)
     refuse_option("--name", "expected a name without quotes and backslashes");
   for (auto axis = o.draft.axes.begin(); axis != o.draft.axes.end(); ++axis) {
+    if (!sim::is_axis_name(*axis))
+      refuse_option("--axes",
+                    fmt::format("got {}, expected names of 1 to 16 letters and digits, e.g. --axes x y c2",
+                                io::in_quotes(*axis)));
     if (std::find(o.draft.axes.begin(), axis, *axis) != axis)
       refuse_option("--axes",
                     fmt::format("got {} twice, expected another name for each axis", io::in_quotes(*axis)));

@@ -62,6 +62,12 @@ TEST(OwnMachine, InitWritesAFileThatMachineReads) {
   elsewhere.back() = f / "new.toml";
   EXPECT_EQ(command(elsewhere).code, 0);
   EXPECT_EQ(command(elsewhere).code, 0);
+  for (const char* name : {"x y", "x.y", "ä", "x=1"}) {
+    const Said axes =
+        command({"init", "--name", "mine", "--axes", name, "--sample-time", "1 ms", "-o", f / "names.toml"});
+    EXPECT_EQ(axes.code, 2);
+    EXPECT_THAT(axes.err, HasSubstr("expected names of 1 to 16 letters and digits, e.g. --axes x y c2"));
+  }
   const Said bad = command({"init", "--name", "mine", "--axes", "x", "--sample-time", "1 ms", "--set",
                             "x.limits.speed=6 kg", "-o", f / "bad.toml"});
   EXPECT_EQ(bad.code, 2);
@@ -70,6 +76,17 @@ TEST(OwnMachine, InitWritesAFileThatMachineReads) {
       {"init", "--name", "mine", "--axes", "x", "x", "--sample-time", "1 ms", "-o", f / "twice.toml"});
   EXPECT_EQ(twice.code, 2);
   EXPECT_THAT(twice.err, HasSubstr("--axes: got \"x\" twice"));
+}
+
+TEST(OwnMachine, InitTakesAnUnbalance) {
+  Folder f;
+  const Said init = command({"init", "--name", "tilt", "--axes", "a", "--sample-time", "1 ms", "--set",
+                             "a.limits.speed=20 rpm", "--set",
+                             "a.commissioning.unbalance={ torque = \"80 N m\", hangs_at = \"10 deg\" }", "-o",
+                             f / "tilt.toml"});
+  ASSERT_EQ(init.code, 0) << init.err;
+  EXPECT_THAT(text_of(f / "tilt.toml"),
+              HasSubstr("unbalance = { torque = \"80 N m\", hangs_at = \"10 deg\" }"));
 }
 
 TEST(OwnMachine, IsExcitedWithoutATruthAndSimulatedOnlyWithOne) {

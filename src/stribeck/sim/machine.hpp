@@ -165,6 +165,12 @@ struct MachineAxis {
   [[nodiscard]] double force_limit() const { return name_plate().force; }
 };
 
+/// Whether an axis can have this name, which becomes part of file and column names: 1 to 16 letters and digits.
+constexpr bool is_axis_name(std::string_view name) {
+  constexpr std::string_view kPermitted = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+  return !name.empty() && name.size() <= 16 && name.find_first_not_of(kPermitted) == std::string_view::npos;
+}
+
 struct Machine {
   std::string name;
   std::string origin;
@@ -183,13 +189,8 @@ struct Machine {
   template <class Report>
   void validate(Report&& report) const {
     if (axes.empty()) report("axes", "expected at least one axis");
-    // Names become parts of file and column names.
     for (const auto& [axis, unused] : axes) {
-      constexpr std::string_view kPermitted =
-          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
-      if (axis.empty() || axis.size() > 16 || axis.find_first_not_of(kPermitted) != std::string::npos) {
-        report("axes", "an axis name has 1 to 16 letters and digits, e.g. x or c2");
-      }
+      if (!is_axis_name(axis)) report("axes", "an axis name has 1 to 16 letters and digits, e.g. x or c2");
     }
   }
 };

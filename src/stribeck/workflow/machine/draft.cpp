@@ -31,10 +31,10 @@ bool is_number(const std::string& value) {
   return !digits.empty() && digits.find_first_not_of("0123456789.eE+-_") == std::string_view::npos;
 }
 
-/// As the file holds it: quoted, unless it is a list, a plain number or a switch.
+/// As the file holds it: quoted, unless it is a list, a table, a plain number or a switch.
 std::string as_toml(const FieldInfo& info, const std::string& value) {
   const Kind kind = scalar_of(*info.type).kind;
-  if (!value.empty() && value[0] == '[') return value;
+  if (value.starts_with('[') || value.starts_with('{')) return value;
   if (kind == Kind::kSwitch) return value == "true" || value == "false" ? value : '"' + value + '"';
   const bool text = kind == Kind::kChoice || kind == Kind::kText;
   const bool bare = !text && info.quantity.unit.empty() && is_number(value);

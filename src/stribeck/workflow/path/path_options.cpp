@@ -111,16 +111,19 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path,
                                const std::vector<std::string>& speeds) {
   if (is_file(path)) return kVaried;
-  const bool shape = path.path != PathOptions{}.path;
-  if (!is_of_thesis(machine) && (machine.axes.size() != 5 || shape)) return kOwn;
+  if (!is_of_thesis(machine)) {
+    // The five-axis path has its own size, speeds and axes, for a virtual mill; it is no motion for a machine that exists.
+    const bool exists = std::any_of(machine.axes.begin(), machine.axes.end(),
+                                    [](const auto& axis) { return !axis.second.truth_from.empty(); });
+    const bool asked = !(path == PathOptions{}) || !speeds.empty();
+    return machine.axes.size() == 5 && !exists && !asked ? "five-axis" : kOwn;
+  }
   switch (machine.axes.size()) {
     case 1:
       return "uni-sim";
     case 2:
       return kVaried;
     case 5:
-      // The five-axis path has its own size and speeds; a circle of one's own has those that are asked for.
-      if (!is_of_thesis(machine) && (!path.size.empty() || !speeds.empty())) return kOwn;
       return "five-axis";
     default:
       return "tri-circle";

@@ -48,6 +48,17 @@ TEST(PathOptions, FiveAxesOfOnesOwnTakeSpeeds) {
   PathOptions path;
   path.size = "5 mm";
   EXPECT_EQ(default_experiment(machine, path), kOwn);
+  path = {};
+  path.axes = {"x", "y"};
+  EXPECT_EQ(default_experiment(machine, path), kOwn);
+}
+
+// Five axes whose identified models stand for the truth: nobody says that two of them carry the table of the five-axis mill.
+TEST(PathOptions, AMachineThatExistsIsNoFiveAxisMill) {
+  sim::Machine machine = mill();
+  for (auto& [name, axis] : machine.axes) axis.published = {};
+  machine.axes[0].second.truth_from = "x.toml";
+  EXPECT_EQ(default_experiment(machine, {}), kOwn);
 }
 
 // Below position 0 as a vertical axis goes: no size of a circle about 0 would do.
