@@ -10,19 +10,36 @@ double damping(const Group& g, double f) {
   return std::max(0.0, 1.0 - 0.5 * std::pow(2.0 * kPi * f, 2.0) * g.spread);
 }
 
-void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool slope) {
+namespace {
+
+/// Weighted sine and cosine of a term, not projected.
+void waves(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out) {
   for (std::size_t i = 0; i < data.groups.size(); ++i) {
     const auto k = static_cast<Index>(i);
     const Group& g = data.groups[i];
     const double u = g.x - data.middle;
     const double w = data.root(k) * damping(g, line.f) * (line.form == kReversing ? g.sign : 1.0);
-    const double s = w * std::sin(2.0 * kPi * line.f * u);
-    const double c = w * std::cos(2.0 * kPi * line.f * u);
-    out(k, 0) = s;
-    out(k, 1) = c;
-    if (slope) out(k, 2) = 2.0 * kPi * u * (line.a * c - line.b * s);
+    out(k, 0) = w * std::sin(2.0 * kPi * line.f * u);
+    out(k, 1) = w * std::cos(2.0 * kPi * line.f * u);
   }
-  for (Index j = 0; j < (slope ? 3 : 2); ++j) project(data, out.col(j));
+}
+
+/// ∂/∂f of a term, projected, from its waves.
+void slope_of(const Data& data, const Line& line, const Eigen::Ref<const MatrixXd>& waves,
+              Eigen::Ref<VectorXd> out) {
+  for (std::size_t i = 0; i < data.groups.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    out(k) = 2.0 * kPi * (data.groups[i].x - data.middle) * (line.a * waves(k, 1) - line.b * waves(k, 0));
+  }
+  project(data, out);
+}
+
+}  // namespace
+
+void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool slope) {
+  waves(data, line, out.leftCols(2));
+  if (slope) slope_of(data, line, out.leftCols(2), out.col(2));
+  for (Index j = 0; j < 2; ++j) project(data, out.col(j));
 }
 
 bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& lines, VectorXd& e) {
@@ -31,7 +48,7 @@ bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& l
   e = data.e;
   if (lines.empty()) return true;
   constexpr int kIterations = 12;
-  MatrixXd X(n, 3 * count);
+  MatrixXd X(n, 3 * count), plain(n, 2 * count);
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
     // First the amplitudes at these periods, then one step of the periods.
     const auto linear = [&] {
@@ -45,12 +62,14 @@ bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& l
       e = data.e - B * theta;
       return theta.allFinite();
     };
-    for (Index j = 0; j < count; ++j)
-      columns(data, lines[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), false);
+    for (Index j = 0; j < count; ++j) {
+      waves(data, lines[static_cast<std::size_t>(j)], plain.middleCols(2 * j, 2));
+      for (Index i = 0; i < 2; ++i) X.col(3 * j + i) = plain.col(2 * j + i), project(data, X.col(3 * j + i));
+    }
     if (!linear()) return false;
     if (iteration == kIterations || exact) break;
     for (Index j = 0; j < count; ++j)
-      columns(data, lines[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), true);
+      slope_of(data, lines[static_cast<std::size_t>(j)], plain.middleCols(2 * j, 2), X.col(3 * j + 2));
     const VectorXd step = stats::solve_ldlt(stats::gram(X), X.transpose() * e);
     if (!step.allFinite()) return false;
     double largest = 0.0;
