@@ -17,7 +17,9 @@ namespace {
 
 constexpr int kPasses = 3;
 constexpr double kBetter = 0.95;  // of the residual, to take a force off the logs that is not sure
-constexpr double kSure = 3.0;     // half widths of 95 %: noise may be much larger than the force
+constexpr double kMuchBetter =
+    0.75;  // the same for an elastic drive: any curvature of the force looks like a little of one
+constexpr double kSure = 3.0;  // half widths of 95 %: noise may be much larger than the force
 
 /// Methods whose result is a friction model over velocity, so that a residual can be taken.
 bool has_residual(const Identification& found) {
@@ -278,7 +280,8 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method, bool
     const ident::Result before = last->found.result;
     Cleaned now = refined(clean(axis, more, before, method), taken, before, axis, method);
     ident::residual::Diagnosis left = ident::residual::diagnose(now.axis.records, now.found.result);
-    if (!(left.quality.rms < (is_sure(next) ? 1.0 : kBetter) * rms)) {
+    const double least = next.elastic ? kMuchBetter : is_sure(next) ? 1.0 : kBetter;
+    if (!(left.quality.rms < least * rms)) {
       if (!next.elastic) break;
       d.elastic.reset();  // the other forces remain
       continue;
@@ -287,6 +290,16 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method, bool
     rms = left.quality.rms;
     d = std::move(left);
     last = std::move(now);
+  }
+  if (taken.elastic && (taken.spring || taken.unbalance)) {
+    // A force of the place that was still in the log may have looked like a drive that gives way.
+    ident::residual::Diagnosis rigid = taken;
+    rigid.elastic.reset();
+    Cleaned now = clean(axis, rigid, last->found.result, method);
+    if (kMuchBetter * ident::residual::diagnose(now.axis.records, now.found.result).quality.rms < rms) {
+      taken = std::move(rigid);
+      last = std::move(now);
+    }
   }
   if (taken.elastic || taken.spring || taken.unbalance) {
     found = method(last->axis, Depth::kWhole);
