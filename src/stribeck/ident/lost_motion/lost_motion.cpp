@@ -23,16 +23,6 @@ constexpr double kOfWindUp = 0.03;
 constexpr double kOfSteps = 0.6;
 constexpr double kFewestSteps = 4.0;
 
-/// 95 % half width of a value from those without each group (delete-a-group jackknife).
-double half_width(const std::vector<double>& without) {
-  const auto g = static_cast<double>(without.size());
-  double mean = 0.0;
-  for (const double v : without) mean += v / g;
-  double sum = 0.0;
-  for (const double v : without) sum += (v - mean) * (v - mean);
-  return stats::student_factor(g - 1.0) * std::sqrt((g - 1.0) / g * sum);
-}
-
 int groups_of(std::size_t reversals) { return std::clamp(static_cast<int>(reversals) / 2, 2, 8); }
 
 Fit refined(const std::vector<Stretch>& stretches, const Sliding& sliding, bool slope, const Fit& from) {
@@ -59,7 +49,7 @@ struct Fits {
   [[nodiscard]] Estimate of(double Fit::*member, double floor) const {
     std::vector<double> values;
     for (const Fit& f : without) values.push_back(f.*member);
-    return {all.*member, std::hypot(half_width(values), floor)};
+    return {all.*member, std::hypot(jackknife_half_width(values), floor)};
   }
 };
 
@@ -174,11 +164,37 @@ void separate(LostMotion& out, const std::vector<Stretch>& stretches, const Slid
   keep_determined(out, *even, step);
 }
 
+/// Where the reversals tell less than strokes of constant speed do, as those of an axis that brakes hard, the strokes tell the sum of
+/// backlash and wind-up.
+bool take_sliding(LostMotion& out, std::optional<WhileSliding> sliding, bool coasts, double step) {
+  constexpr double kBetter = 0.5;
+  if (!sliding) return false;
+  Estimate& total = sliding->total;
+  total.half_width = std::hypot(total.half_width, kOfStep * step);
+  const bool worse = !out.total || coasts || total.half_width < kBetter * out.total->half_width;
+  if (!worse || !(total.low() > 0.0)) return false;
+  out.total = total;
+  out.scale_error = sliding->scale_error;
+  out.words.emplace_back(
+      "backlash and wind-up cannot be distinguished: the axis brakes hard before its reversals, so that the sum is that of strokes at "
+      "constant speed (record slow reversals in closed loop: excite --method sine)");
+  return true;
+}
+
 bool has_force(const std::vector<Positions>& runs) {
   return std::all_of(runs.begin(), runs.end(), [](const Positions& p) { return !p.force.empty(); });
 }
 
 }  // namespace
+
+double jackknife_half_width(const std::vector<double>& without) {
+  const auto g = static_cast<double>(without.size());
+  double mean = 0.0;
+  for (const double v : without) mean += v / g;
+  double sum = 0.0;
+  for (const double v : without) sum += (v - mean) * (v - mean);
+  return stats::student_factor(g - 1.0) * std::sqrt((g - 1.0) / g * sum);
+}
 
 LostMotion identify(const std::vector<Positions>& runs) {
   LostMotion out;
@@ -196,6 +212,8 @@ LostMotion identify(const std::vector<Positions>& runs) {
   const std::vector<Stretch> stretches = find_stretches(runs, sliding);
   out.reversals = static_cast<int>(stretches.size());
   out.total = total_of(stretches, sliding, step);
+  const bool coasts = out.total && force && sliding.friction > 0.0 && !pulled(stretches, sliding);
+  if (take_sliding(out, total_while_sliding(runs, sliding), coasts, step)) return out;
   if (!out.total) {
     out.words.push_back(fmt::format(
         "lost motion is not determined: {} usable reversals, expected two or more at either end, slow ones with strokes of some "
@@ -203,7 +221,7 @@ LostMotion identify(const std::vector<Positions>& runs) {
         out.reversals));
     return out;
   }
-  if (force && sliding.friction > 0.0 && !pulled(stretches, sliding)) {
+  if (coasts) {
     out.total.reset();
     out.words.emplace_back(
         "lost motion is not determined: the axis coasts to its reversals, so that the wind-up is not loaded there (record slow "

@@ -39,6 +39,15 @@ struct Part {
   }
 };
 Sliding find_sliding(const std::vector<Positions>& runs);
+/// On strokes of constant speed, where the motor pulls the table.
+struct WhileSliding {
+  Estimate total;  ///< lost motion [m]
+  double scale_error = 0.0;
+};
+/// Absent where there are fewer than four such strokes, or where they have one speed.
+std::optional<WhileSliding> total_while_sliding(const std::vector<Positions>& runs, const Sliding& sliding);
+/// 95 % half width of a value from those without each group (delete-a-group jackknife).
+double jackknife_half_width(const std::vector<double>& without);
 /// Friction of the whole axis over speed.
 void find_shape(const std::vector<Positions>& runs, Sliding& sliding);
 

@@ -136,6 +136,71 @@ Stretch cut(const Positions& p, std::size_t from, std::size_t to, int direction)
   return one;
 }
 
+/// Difference, position, velocity and direction where a stroke goes at constant speed, so that the motor pulls the table: while the axis
+/// brakes hard, the table pushes the motor from the other side of the play. One vector for each stroke.
+using Row = std::array<double, 4>;
+std::vector<std::vector<Row>> steady_rows(const std::vector<Positions>& runs, double clear) {
+  constexpr double kOfFastest = 0.5;   // of the stroke
+  constexpr double kSteadyFor = 0.05;  // [s]: speed may change by a tenth in this time
+  std::vector<std::vector<Row>> all;
+  for (const Stroke& s : strokes_of(runs)) {
+    const Positions& p = runs[s.run];
+    const Smoothing w = smoothing_for(p.sample_time);
+    const auto reach = static_cast<std::size_t>(w.reach);
+    const double T = p.sample_time;
+    std::vector<Row> rows;
+    std::vector<double> acceleration;
+    double fastest = 0.0;
+    for (std::size_t k = std::max(s.first, reach + 1); k + reach + 1 < s.last; k += reach) {
+      if (std::abs(p.motor[k] - p.motor[s.first]) < clear) continue;
+      const double before = filtered(p.motor, k - 1, w), now = filtered(p.motor, k, w),
+                   after = filtered(p.motor, k + 1, w);
+      const double v = (after - before) / (2.0 * T);
+      rows.push_back({now - filtered(p.scale, k, w), p.scale[k], v, static_cast<double>(s.direction)});
+      acceleration.push_back((after - 2.0 * now + before) / (T * T));
+      fastest = std::max(fastest, std::abs(v));
+    }
+    std::vector<Row> steady;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double v = rows[i][2];
+      if (v * s.direction > kOfFastest * fastest &&
+          std::abs(acceleration[i]) * kSteadyFor < 0.1 * std::abs(v))
+        steady.push_back(rows[i]);
+    }
+    if (!steady.empty()) all.push_back(std::move(steady));
+  }
+  return all;
+}
+
+/// Offset, scale error, delay, half the lost motion and its change along the travel, from all strokes but every i with i % groups ==
+/// `without`; and the share of the direction's column that the others do not explain.
+struct SlidingFit {
+  double half = 0.0;
+  double told = 0.0;
+  double scale_error = 0.0;
+};
+SlidingFit fit_sliding(const std::vector<std::vector<Row>>& strokes, double middle, const Part& part) {
+  constexpr Eigen::Index kDirection = 4;  // the last column
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    if (part.has(i)) rows.insert(rows.end(), strokes[i].begin(), strokes[i].end());
+  }
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd X(n, 5);
+  Eigen::VectorXd y(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& r = rows[static_cast<std::size_t>(i)];
+    X.row(i) << 1.0, r[1] - middle, r[2], r[3] * (r[1] - middle), r[3];
+    y(i) = r[0];
+  }
+  const stats::LeastSquares solved = stats::least_squares(X, y);
+  if (n < 10 || solved.rank < 5) return {};
+  const Eigen::MatrixXd others = X.leftCols(kDirection);
+  const Eigen::VectorXd column = X.col(kDirection);
+  const Eigen::VectorXd left = column - others * stats::least_squares(others, column).x;
+  return {solved.x(kDirection), left.squaredNorm() / column.squaredNorm(), solved.x(1)};
+}
+
 }  // namespace
 
 Smoothing Smoothing::fine() const {
@@ -188,6 +253,29 @@ Sliding find_sliding(const std::vector<Positions>& runs) {
   out.rounding_motor = motor * motor / 12.0;
   out.rounding_difference = out.rounding_motor + scale * scale / 12.0;
   return out;
+}
+
+std::optional<WhileSliding> total_while_sliding(const std::vector<Positions>& runs, const Sliding& sliding) {
+  constexpr std::size_t kFewestStrokes = 4;
+  constexpr int kMostGroups = 11;  // odd: strokes of both directions in each
+  constexpr double kTold = 0.05;   // of one speed alone, a delay of an encoder looks like lost motion
+  const std::vector<std::vector<Row>> strokes = steady_rows(runs, 4.0 * std::abs(sliding.half) + 100e-6);
+  if (strokes.size() < kFewestStrokes) return {};
+  double middle = 0.0, count = 0.0;
+  for (const auto& rows : strokes) {
+    for (const Row& r : rows) middle += r[1], count += 1.0;
+  }
+  middle /= count;
+  const SlidingFit all = fit_sliding(strokes, middle, {});
+  if (all.told < kTold) return {};
+  const int groups = std::min(kMostGroups, static_cast<int>(strokes.size()));
+  std::vector<double> without;
+  for (int g = 0; g < groups; ++g) {
+    const SlidingFit one = fit_sliding(strokes, middle, {groups, g});
+    if (one.told < kTold) return {};
+    without.push_back(2.0 * one.half);
+  }
+  return WhileSliding{{2.0 * all.half, jackknife_half_width(without)}, all.scale_error};
 }
 
 void find_shape(const std::vector<Positions>& runs, Sliding& sliding) {
