@@ -151,9 +151,15 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
       return folder.empty() ? folder : folder + "/" + one.axis;
     };
     write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
+    std::string written;
+    if (!o.output.empty()) written += fmt::format("Axis file: {}/{}.toml\n", o.output, one.axis);
+    if (!o.common.report.empty())
+      written += fmt::format("Page: {}/{}/index.html\n", o.common.report, one.axis);
+    if (!o.common.plots.empty()) written += fmt::format("Figures: {}/{}\n", o.common.plots, one.axis);
     say(o.common,
         fmt::format(
-            "{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
+            "{}from {}\n{}{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
+            written,
             next_log(open, found.result, report::shell_quoted(o.logs.front()), report::shell_quoted(one.axis),
                      o.output.empty() ? "" : report::shell_quoted(o.output + "/" + one.axis + ".toml"))));
   }

@@ -184,6 +184,10 @@ Plan plan_for(const std::vector<Source>& sources, const ResponseOptions& options
   const auto longest = std::max_element(
       all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second.rows() < b.second.rows(); });
   if (longest == all.end()) return plan;
+  if (options.period && *options.period > out.sample_time * static_cast<double>(longest->second.rows()))
+    throw Refused(
+        fmt::format("--period: got {:.4g} s, expected at most the longest motion of this log, {:.4g} s",
+                    *options.period, out.sample_time * static_cast<double>(longest->second.rows())));
   plan.repeat = options.period ? static_cast<std::size_t>(std::lround(*options.period / out.sample_time))
                                : repeat_of(*longest->first.z, longest->second);
   if (plan.repeat > 0) {

@@ -75,7 +75,8 @@ double table_speed(const ExportRequest& o, const std::string& file, const sim::A
 }  // namespace
 
 double omega_of(const ExportRequest& o) {
-  return option_si("--omega", o.omega.empty() ? kOmega : o.omega, quantity("rad/s", "rad/s").positive());
+  return option_si("--omega", o.omega.empty() ? kOmega : o.omega,
+                   quantity("rad/s", "rad/s").positive().at_most(1e5));
 }
 
 std::string controllers(const ExportRequest& o) {

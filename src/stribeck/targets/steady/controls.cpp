@@ -1,10 +1,12 @@
 // Friction compensations that controls and drives have of their own. Their parameters are told by the manuals that
 // docs/guides/export.md names.
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
 
@@ -135,6 +137,12 @@ Form mitsubishi(const Axis& axis) {
 
 Form pmac(const Axis& axis) {
   const Levels l = levels_of(axis, 1.0, true);
+  constexpr double kFull = 32767.0;
+  const double largest = std::max(l.positive, l.negative);
+  if (largest > kFull)
+    workflow::refuse_option(
+        "--gain", fmt::format("friction would be Ixx68 = {:.4g}, expected at most {:g} (check the gain)",
+                              largest, kFull));
   Form form;
   form.text = fmt::format("Ixx68 = {:.0f}\n", l.positive);
   form.held = l.held;

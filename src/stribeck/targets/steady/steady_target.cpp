@@ -110,10 +110,10 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary);
   a.lead = o.lead.empty() ? kUnknown
                           : travel_si("--lead", text_of_axis("--lead", o.lead, name),
-                                      quantity("m", "mm").positive(), a.rotary);
-  a.resolution = o.resolution.empty()
-                     ? kUnknown
-                     : travel_si("--resolution", o.resolution, quantity("m", "um").positive(), a.rotary);
+                                      quantity("m", "mm").positive().at_most(100.0), a.rotary);
+  a.resolution = o.resolution.empty() ? kUnknown
+                                      : travel_si("--resolution", o.resolution,
+                                                  quantity("m", "um").positive().at_most(0.01), a.rotary);
   return a;
 }
 

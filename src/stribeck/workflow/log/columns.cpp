@@ -104,19 +104,22 @@ struct Candidate {
   std::size_t rank = 0;
 };
 
-/// Whether a column is a position by its name, not only by its unit.
-bool calls_a_position(const io::Log& log, const std::string& axis) {
+/// Axes of the columns that are a position by their name, not only by their unit; "" for one without an axis.
+std::vector<std::string> axes_of_positions(const io::Log& log, const std::string& axis) {
   const KnownColumn& position = known_column(LogQuantity::kPosition);
-  return std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
-    if (c.values.empty()) return false;
+  std::vector<std::string> axes;
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty()) continue;
     for (const Label& label : labels_in(log, c, axis)) {
       for (const auto& family : position.families) {
-        if (std::find(family.begin(), family.end(), label.base) != family.end()) return true;
+        if (std::find(family.begin(), family.end(), label.base) != family.end()) axes.push_back(label.axis);
       }
     }
     const auto meaning = meaning_of(without_unit(c), c.unit_text);
-    return meaning && meaning->what == LogQuantity::kPosition && !meaning->by_unit;
-  });
+    if (meaning && meaning->what == LogQuantity::kPosition && !meaning->by_unit)
+      axes.push_back(meaning->axis);
+  }
+  return axes;
 }
 
 std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, const std::string& axis) {
@@ -145,11 +148,16 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
     (meaning->by_unit ? by_unit : out).push_back({&c, std::move(meaning->axis), 0, meaning->rank});
   }
   if (!out.empty() || by_unit.empty()) return out;
-  if (!calls_a_position(log, axis)) return by_unit;
-  // "cmd [um]" beside "pos [um]" can be nothing else.
-  if (k.what == LogQuantity::kReference && by_unit.size() == 1 && by_unit.front().axis.empty())
-    return by_unit;
-  return out;
+  const std::vector<std::string> positions = axes_of_positions(log, axis);
+  if (positions.empty()) return by_unit;
+  // "cmd [um]" beside "pos [um]" can be nothing else, nor "X cmd" beside "X pos" and "Y cmd".
+  if (k.what != LogQuantity::kReference) return out;
+  std::erase_if(by_unit, [&](const Candidate& c) {
+    if (c.axis.empty()) return false;
+    if (!axis.empty()) return !same_axis(log, axis, c.axis);
+    return std::find(positions.begin(), positions.end(), c.axis) == positions.end();
+  });
+  return by_unit.size() == 1 ? by_unit : out;
 }
 
 /// The position of an axis whose column has the name of the axis: x, y and c of one log. Null: there is none.

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <string_view>
 
 #include <stribeck/ident/log/mixed_runs.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -10,6 +12,7 @@
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/log_times.hpp>
 #include <stribeck/workflow/log/motion_columns.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -89,6 +92,18 @@ void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::stri
       marks));
 }
 
+/// The voltage of a motor makes no force in proportion: what its turning induces counts against it.
+void note_motor_voltage(const Effort& e, std::vector<std::string>& notes) {
+  constexpr std::array<std::string_view, 3> kDuty{"pwm", "duty", "tastgrad"};
+  constexpr std::array<std::string_view, 5> kOfMotor{"motor", "mot", "armature", "anker", "motorspannung"};
+  const std::vector<std::string> words = words_of_name(e.from.column->name);
+  if (!any_word(words, kDuty) && !(e.what == LogQuantity::kVoltage && any_word(words, kOfMotor))) return;
+  notes.push_back(fmt::format(
+      "column {} is the voltage of the motor: the voltage that its turning induces is part of the viscous friction, and a shift of the force "
+      "moves that part too, so that the mass may be wrong by several percent: log the current of the motor",
+      io::in_quotes(e.from.column->name)));
+}
+
 }  // namespace
 
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
@@ -97,6 +112,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   out.notes = columns.rescaled();
   const MotionColumns motion = find_motion(columns, options, out.notes);
   const Effort effort = find_effort(columns, motion, options, out.notes);
+  note_motor_voltage(effort, out.notes);
   const bool lead_used = motion.turns() || effort.by_lead;
   const bool turns_of_motor =
       std::any_of(motion.columns.begin(), motion.columns.end(), [&](const MotionColumn& m) {

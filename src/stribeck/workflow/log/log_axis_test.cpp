@@ -86,6 +86,34 @@ TEST(LogAxis, APositionMayBeACommandLessItsFollowingError) {
               Contains(HasSubstr("is a commanded position")));
 }
 
+// The command is called by its unit alone, the two encoders by their places.
+TEST(LogAxis, TheCommandBesideTwoEncodersIsTheReference) {
+  workflow::LogOptions options;
+  options.axis = "X";
+  options.maps = {"motor=X motor mm", "scale=X scale mm"};
+  const std::string two = csv("t [s],X cmd [mm],Y cmd [mm],X motor [mm],X scale [mm],X force [N]",
+                              {"t", "x_mm", "f", "x_mm", "x_mm", "f"});
+  EXPECT_EQ(axis_of(two, options).r.y.size(), 3000U);
+  const std::string one = csv("t [s],X cmd [mm],X pos [mm],X force [N]", {"t", "x_mm", "x_mm", "f"});
+  EXPECT_EQ(axis_of(one).r.y.size(), 3000U);
+  const std::string other = csv("t [s],Y cmd [mm],X pos [mm],X force [N]", {"t", "x_mm", "x_mm", "f"});
+  EXPECT_TRUE(axis_of(other).r.y.empty());
+}
+
+// What drives a motor of 24 V is no force: its turning induces a voltage.
+TEST(LogAxis, TheVoltageOfAMotorIsNoForce) {
+  for (const char* name : {"pwm [%]", "Duty cycle [%]", "Motor voltage [V]"}) {
+    const io::Log log = log_of(csv(std::string("t [s],x [mm],") + name, {"t", "x_mm", "f"}));
+    EXPECT_THAT(workflow::logged_axis(log, {}).notes, Contains(HasSubstr("is the voltage of the motor")))
+        << name;
+  }
+  for (const char* name : {"u [V]", "Motor current [A]"}) {
+    const io::Log log = log_of(csv(std::string("t [s],x [mm],") + name, {"t", "x_mm", "f"}));
+    EXPECT_THAT(workflow::logged_axis(log, {}).notes, Not(Contains(HasSubstr("voltage of the motor"))))
+        << name;
+  }
+}
+
 // What may be one part of an axis, or commanded, is no axis.
 TEST(LogAxis, NumbersOfMotorsAndLettersOfCommandsAreNoAxes) {
   EXPECT_THAT(refusal(csv("t [s],x [mm],Motor1 Current [A],Motor2 Current [A]", {"t", "x_mm", "f", "f"})),

@@ -50,7 +50,7 @@ void take_lead(const std::string& lead, MotionColumns& motion) {
   if (lead.empty()) return;
   const std::optional<double> angle = angle_of(lead);
   motion.rotary = angle.has_value();
-  const double travel = angle ? *angle : option_si("--lead", lead, quantity("m", "mm"));
+  const double travel = angle ? *angle : option_si("--lead", lead, quantity("m", "mm").at_most(100.0));
   if (travel == 0.0) refuse_option("--lead", "got 0, expected the travel per turn");
   motion.per_radian = travel / (2.0 * std::numbers::pi);
 }

@@ -65,7 +65,19 @@ void set_turn_of_table(io::Node& axis, const std::string& file) {
   }
 }
 
+/// A file of another kind misses every key of a machine.
+void refuse_other_kind(const io::Node& file, const std::string& name) {
+  if (file.find("axes") != nullptr) return;
+  const bool axis = file.find("friction") != nullptr, controller = file.find("law") != nullptr;
+  if (!axis && !controller) return;
+  throw io::InputError(
+      {name, 0, "axes",
+       fmt::format("is {}, expected a machine file with a table for each axis (stribeck init writes one)",
+                   axis ? "an axis file, as identify writes it" : "a controller file")});
+}
+
 MachineDescription described(io::Node file, const std::string& name) {
+  refuse_other_kind(file, name);
   for (io::Node& table : file.children) {
     if (table.key != "axes") continue;
     for (io::Node& axis : table.children) {
