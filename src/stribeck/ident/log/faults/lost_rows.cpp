@@ -116,6 +116,36 @@ bool is_count(const std::vector<Table>& tables, double count, double digit) {
   return all > kFewest && whole > kNearly * all && others > kOthers * all;
 }
 
+/// Digit and count of a position whose unit was converted, so that no digit shows: 0.1 um as motor angles with three decimals have steps
+/// of 10 and 11 digits, and of 21 and 22. `about`: the count, roughly.
+struct Rounded {
+  double digit = 0.0;  ///< 0: the steps are not rounded
+  double count = 0.0;
+};
+Rounded rounded_count(const std::vector<Table>& tables, double about) {
+  constexpr std::size_t kMost = 5000;
+  constexpr double kSame = 1e-4;          // of the count
+  constexpr double kFinest = 1.0 / 50.0;  // the same
+  std::vector<double> steps;
+  for (const Table& m : tables) {
+    for (std::size_t k = 1; k < m.rows() && steps.size() < kMost; ++k) {
+      const double step = std::abs(m.x[k] - m.x[k - 1]);
+      if (step > 0.5 * about && step < 2.5 * about) steps.push_back(step);
+    }
+  }
+  std::sort(steps.begin(), steps.end());
+  Rounded out;
+  double sum = 0.0, single = 0.0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] < 1.5 * about) sum += steps[i], single += 1.0;
+    const double gap = i > 0 ? steps[i] - steps[i - 1] : 0.0;
+    if (gap > kSame * about && (out.digit == 0.0 || gap < out.digit)) out.digit = gap;
+  }
+  if (out.digit < kFinest * about || single == 0.0) return {};
+  out.count = sum / single;
+  return out;
+}
+
 /// The count of an encoder that is no whole number of the digits of the log, such as 0.1 um in inches; 0: none shows.
 double count_beside_digits(const std::vector<Table>& tables, double digit) {
   constexpr std::size_t kFew = 20;
@@ -136,7 +166,11 @@ double count_beside_digits(const std::vector<Table>& tables, double digit) {
   constexpr double kUntold = 1.0 / 40.0;  // of a count, where the log shows no digits
   constexpr double kCoarsest = 20e-6;     // [m]: encoders are finer
   if (smallest.size() < kFew) return 0.0;
-  const double count = smallest.front();
+  double count = smallest.front();
+  if (digit == 0.0) {
+    const Rounded rounded = rounded_count(tables, count);
+    if (rounded.digit > 0.0) digit = rounded.digit, count = rounded.count;
+  }
   const bool may_be = count > kLeast * digit && count < kCoarsest;
   return may_be && is_count(tables, count, digit > 0.0 ? digit : kUntold * count) ? count : 0.0;
 }

@@ -175,6 +175,27 @@ TEST(LostRows, CountsInInchesAreNoLostRows) {
   EXPECT_THAT(kinds(c), testing::Not(testing::AnyOf(Contains("lost"), Contains("stale")))) << texts(c);
 }
 
+// Counts of 0.1 um behind a gear, logged as the angle of the motor with three decimals: steps of 10 and 11 digits, of 21 and 22. Slow
+// strokes among fast ones, whose ends have one count or two from row to row.
+TEST(LostRows, CountsInRoundedAnglesAreNoLostRows) {
+  constexpr double kTurn = 10e-3 / 3.0 / 360.0, kDigit = 1e-3 * kTurn, kCount = 1e-7;
+  RawLog log;
+  log.source = "log.csv";
+  double at = 0.0;
+  for (std::size_t k = 0; k < 40000; ++k) {
+    const double share = static_cast<double>(k % 4000) / 4000.0;
+    const double v = (k / 4000 % 2 == 0 ? 2e-3 : -2e-3) * std::sin(3.14159265 * share);
+    at += 1e-3 * v;
+    log.x.t.push_back(1e-3 * static_cast<double>(k));
+    log.x.y.push_back(kDigit * std::round(kCount * std::round(at / kCount) / kDigit));
+    log.f.y.push_back(std::copysign(20.0, v));
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c),
+              testing::Not(testing::AnyOf(Contains("lost"), Contains("stale"), Contains("repeated"))))
+      << texts(c);
+}
+
 // No slow rows tell the counts of the encoder: the step of the speed itself is none.
 TEST(LostRows, AreFoundAtOneSpeedInOneDirectionToo) {
   RawLog log;
