@@ -86,6 +86,23 @@ TEST(LogAxis, APositionMayBeACommandLessItsFollowingError) {
               Contains(HasSubstr("is a commanded position")));
 }
 
+// A first word that stands before several quantities is the name of an axis, whatever it is.
+TEST(LogAxis, AnyWordMayBeTheNameOfAnAxis) {
+  for (const char* header : {"t [s],L1_cmd [mm],L1_act [mm],L1_force [N]",
+                             "t [s],Strut3 cmd [mm],Strut3 pos [mm],Strut3 force [N]",
+                             "t [s],gantry_ref [mm],gantry_enc [mm],gantry_force [N]"}) {
+    const ident::log::RawLog raw = axis_of(csv(header, {"t", "x_mm", "x_mm", "f"}));
+    EXPECT_EQ(raw.x.y.size(), 3000U) << header;
+    EXPECT_EQ(raw.r.y.size(), 3000U) << header;
+  }
+  const std::string two =
+      csv("t [s],el_pos [mm],az_pos [mm],el_force [N],az_force [N]", {"t", "x_mm", "f", "f", "x_mm"});
+  EXPECT_THAT(refusal(two), HasSubstr("a log of several axes: el, az"));
+  workflow::LogOptions options;
+  options.axis = "az";
+  EXPECT_EQ(axis_of(two, options).f.y[100], log_of(two).columns[4].values[100]);
+}
+
 // The command is called by its unit alone, the two encoders by their places.
 TEST(LogAxis, TheCommandBesideTwoEncodersIsTheReference) {
   workflow::LogOptions options;

@@ -90,10 +90,17 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 76> k
 }};
 
 /// Spellings of units in controls, drives and their tools.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 124> kSpellings{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 131> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
+    {"Apk", "A"},
+    {"A_pk", "A"},
+    {"A pk", "A"},
+    {"Apeak", "A"},
+    {"p.u.", "100 %"},
+    {"p.u", "100 %"},
+    {"pu", "100 %"},
     {"A_rms", "A"},
     {"A rms", "A"},
     {"A RMS", "A"},

@@ -59,6 +59,36 @@ Label lettered(const io::Column& c) {
   return {name.substr(bar + 1), name.substr(0, bar)};
 }
 
+/// "l1_act", "strut3 pos": the first word and the rest; an empty axis where there is no first word that could be a name.
+Label begun(const io::Column& c) {
+  constexpr std::size_t kLongest = 8;
+  const std::string name = lower_case(c.name);
+  const auto end = name.find_first_of("_ .-");
+  if (end == std::string::npos || end == 0 || end > kLongest || end + 1 == name.size()) return {};
+  const bool plain = std::isalpha(static_cast<unsigned char>(name[0])) != 0 &&
+                     std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(end),
+                                 [](unsigned char d) { return std::isalnum(d) != 0; });
+  if (!plain) return {};
+  return {name.substr(end + 1), name.substr(0, end)};
+}
+
+/// A first word that says nothing by itself is the name of an axis where it stands before two quantities, one of them of the motion:
+/// "RA_cmd", "RA_torque".
+bool names_an_axis(const io::Log& log, const std::string& word) {
+  if (meaning_of(word + " pos", "mm")) return false;
+  std::vector<LogQuantity> found;
+  bool moves = false;
+  for (const io::Column& c : log.columns) {
+    const Label label = begun(c);
+    if (c.values.empty() || label.axis != word) continue;
+    const auto meaning = meaning_of(label.base, c.unit_text);
+    if (!meaning || std::find(found.begin(), found.end(), meaning->what) != found.end()) continue;
+    found.push_back(meaning->what);
+    moves = moves || meaning->what == LogQuantity::kPosition || meaning->what == LogQuantity::kVelocity;
+  }
+  return moves && found.size() > 1;
+}
+
 }  // namespace
 
 std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std::string& axis) {
@@ -77,7 +107,12 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   };
   if (!own.axis.empty() && std::any_of(log.columns.begin(), log.columns.end(), another))
     return {{"x_" + own.base, own.axis}, {own.base, own.axis}};
-  return labels_of(c, axis);
+  std::vector<Label> labels = labels_of(c, axis);
+  if (const Label named = begun(c); !named.axis.empty() && names_an_axis(log, named.axis)) {
+    labels.push_back({"x_" + named.base, named.axis});
+    labels.push_back(named);
+  }
+  return labels;
 }
 
 }  // namespace stribeck::workflow
