@@ -51,10 +51,20 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   }
 }
 
+/// "1" of "axis1", "axis 1" and "joint_1".
+std::string without_word_axis(const std::string& name) {
+  for (const std::string_view word : {"axis", "achse", "joint"}) {
+    if (!name.starts_with(word)) continue;
+    const auto at = name.find_first_not_of(" _-", word.size());
+    if (at != std::string::npos) return name.substr(at);
+  }
+  return name;
+}
+
 /// In a log that calls its axes X1, X2, … "x" is the axis X1; in the metadata "X1" may stand for the axis 1.
 bool same_axis(const io::Log& log, const std::string& wanted, const std::string& found) {
   const std::string w = lower_case(wanted);
-  if (w == found) return true;
+  if (w == found || without_word_axis(w) == without_word_axis(found)) return true;
   const auto is_first = [](const std::string& name, const std::string& short_name) {
     return name.size() == short_name.size() + 1 && name.compare(0, short_name.size(), short_name) == 0 &&
            name.back() == '1';

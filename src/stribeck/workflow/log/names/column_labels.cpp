@@ -59,27 +59,30 @@ Label lettered(const io::Column& c) {
   return {name.substr(bar + 1), name.substr(0, bar)};
 }
 
-/// "l1_act", "strut3 pos": the first word and the rest; an empty axis where there is no first word that could be a name.
-Label begun(const io::Column& c) {
+/// "l1_act", "strut3 pos", or "act_l1" at its end: the word at one end and the rest; an empty axis where no word could be a name.
+Label with_word(const io::Column& c, bool at_end) {
   constexpr std::size_t kLongest = 8;
+  constexpr std::string_view kApart = "_ .-";
   const std::string name = lower_case(c.name);
-  const auto end = name.find_first_of("_ .-");
-  if (end == std::string::npos || end == 0 || end > kLongest || end + 1 == name.size()) return {};
-  const bool plain = std::isalpha(static_cast<unsigned char>(name[0])) != 0 &&
-                     std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(end),
-                                 [](unsigned char d) { return std::isalnum(d) != 0; });
+  const auto cut = at_end ? name.find_last_of(kApart) : name.find_first_of(kApart);
+  if (cut == std::string::npos || cut == 0 || cut + 1 == name.size()) return {};
+  const std::string before = name.substr(0, cut), after = name.substr(cut + 1);
+  const std::string& word = at_end ? after : before;
+  const bool plain =
+      word.size() <= kLongest && std::isalpha(static_cast<unsigned char>(word[0])) != 0 &&
+      std::all_of(word.begin(), word.end(), [](unsigned char d) { return std::isalnum(d) != 0; });
   if (!plain) return {};
-  return {name.substr(end + 1), name.substr(0, end)};
+  return {at_end ? before : after, word};
 }
 
-/// A first word that says nothing by itself is the name of an axis where it stands before two quantities, one of them of the motion:
-/// "RA_cmd", "RA_torque".
-bool names_an_axis(const io::Log& log, const std::string& word) {
+/// A word that says nothing by itself is the name of an axis where it stands beside two quantities, one of them of the motion: "RA_cmd",
+/// "RA_torque".
+bool names_an_axis(const io::Log& log, const std::string& word, bool at_end) {
   if (meaning_of(word + " pos", "mm")) return false;
   std::vector<LogQuantity> found;
   bool moves = false;
   for (const io::Column& c : log.columns) {
-    const Label label = begun(c);
+    const Label label = with_word(c, at_end);
     if (c.values.empty() || label.axis != word) continue;
     const auto meaning = meaning_of(label.base, c.unit_text);
     if (!meaning || std::find(found.begin(), found.end(), meaning->what) != found.end()) continue;
@@ -108,9 +111,12 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   if (!own.axis.empty() && std::any_of(log.columns.begin(), log.columns.end(), another))
     return {{"x_" + own.base, own.axis}, {own.base, own.axis}};
   std::vector<Label> labels = labels_of(c, axis);
-  if (const Label named = begun(c); !named.axis.empty() && names_an_axis(log, named.axis)) {
+  for (const bool at_end : {false, true}) {
+    const Label named = with_word(c, at_end);
+    if (named.axis.empty() || !names_an_axis(log, named.axis, at_end)) continue;
     labels.push_back({"x_" + named.base, named.axis});
     labels.push_back(named);
+    break;
   }
   return labels;
 }
