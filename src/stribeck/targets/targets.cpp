@@ -13,6 +13,7 @@
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -113,7 +114,7 @@ std::string axis_notes(const ExportRequest& request) {
   for (const std::string& file : request.files) {
     if (is_rotary(file)) notes += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
     if (io::load_toml(file).find("axes") != nullptr) continue;
-    const auto axis = io::read_toml<sim::AxisFile>(file);
+    const auto axis = workflow::read_axis_file(file);
     const std::string name = axis.axis.value_or("");
     if (const auto other = first_of.try_emplace(name, file); !name.empty() && !other.second)
       notes += fmt::format(

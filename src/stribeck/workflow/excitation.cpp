@@ -16,6 +16,7 @@
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -166,7 +167,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   // A design that is refused for the real axis is refused for its virtual one too.
   if (const auto real = doubt_of_file(rough); real.may_fall(limits)) doubt = real;
   if (!o.known.empty()) {
-    const auto file = io::read_toml<sim::AxisFile>(o.known);
+    const auto file = read_axis_file(o.known);
     if (file.rotary.value_or(false) != axis.rotary)
       refuse_option("--known",
                     fmt::format("{} is of a {} axis, axis {} of the machine is {} (give the axis file of {})",

@@ -125,6 +125,35 @@ TEST(Identify, LeavesAForceInOneDirectionOut) {
               AllOf(HasSubstr("motion in positive direction needs "), HasSubstr("these rows are left out")));
 }
 
+/// The trend of a PLC: rows of 100 ms, each with the force at its end or with its mean since the row before.
+std::string trend_log(bool means) {
+  std::string out = "t [s],x [mm],f [N]\n";
+  const auto force = [](double t) {
+    constexpr double kSlower = 0.5;  // than motion_at
+    const auto [x, v, a] = motion_at(kSlower * t);
+    return kMass * kSlower * kSlower * a + kViscous * kSlower * v + (v > 0.0 ? kCoulomb : -kCoulomb);
+  };
+  for (int k = 0; k < 2400; ++k) {
+    constexpr int kParts = 50;
+    double f = 0.0;
+    for (int i = 0; i < kParts; ++i) f += force(0.1 * k - 0.1 * (i + 0.5) / kParts) / kParts;
+    out += fmt::format("{:.1f},{:.6f},{:.5f}\n", 0.1 * k, 1e3 * motion_at(0.05 * k)[0],
+                       (means ? f : force(0.1 * k)) + 0.02 * std::sin(997.0 * k * k));
+  }
+  return out;
+}
+
+// Means of the force beside measured accelerations are smoothed more than these: the mass was 3 % too small.
+TEST(Identify, KnowsAForceThatIsTheMeanOverARow) {
+  const Folder folder;
+  for (const bool means : {true, false}) {
+    const workflow::Identification found =
+        workflow::identify(workflow::read_axis({folder.write("log.csv", trend_log(means))}, {}), {});
+    EXPECT_EQ(text_of(found, "").find("the mean over each row of 100 ms") != std::string::npos, means);
+    EXPECT_NEAR(found.result.mass, kMass, (means ? 0.01 : 0.04) * kMass);
+  }
+}
+
 TEST(Identify, TakesASpringOffTheLog) {
   const std::string out = spring_log(12000, [](double t) { return 0.3 * std::sin(997.0 * t * t); });
   const Folder folder;

@@ -47,7 +47,11 @@ std::string change(double value, double against) {
   const double percent = 100.0 * (value / against - 1.0);
   if (!std::isfinite(percent)) return {};
   if (std::abs(percent) < 0.5) return "the same";
-  return fmt::format("{:.0f}\u00A0% {}", std::abs(percent), percent < 0.0 ? "less" : "more");
+  // 0.03 of 14.8 is 99.8 % less, not all of it.
+  constexpr int kMostDecimals = 4;
+  int decimals = 0;
+  while (percent < -(100.0 - 0.5 * std::pow(10.0, -decimals)) && decimals < kMostDecimals) ++decimals;
+  return fmt::format("{:.{}f}\u00A0% {}", std::abs(percent), decimals, percent < 0.0 ? "less" : "more");
 }
 
 std::string change_from(double value, double against) {

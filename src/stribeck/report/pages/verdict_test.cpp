@@ -103,6 +103,14 @@ TEST(Verdict, DoesNotHideThatSomethingGotWorse) {
   EXPECT_THAT(words, HasSubstr("50\u00A0% more than under (f)"));
 }
 
+TEST(Verdict, NothingIsAHundredPercentLess) {
+  sim::CompareResult result = beyond();
+  result.rows.back().mean = test::metrics(0.01e-6, 0.0001e-6);
+  const std::string words = verdict(rows_of(result, 0), "3 mm/s", result);
+  EXPECT_THAT(words, HasSubstr("99.8\u00A0% less"));
+  EXPECT_THAT(words, Not(HasSubstr("100\u00A0% less")));
+}
+
 TEST(Verdict, WithoutTheThesisOrWithoutFiguresNamesNoRivals) {
   sim::CompareResult result = beyond();
   EXPECT_TRUE(rivals_of(rows_of(result, 0)));

@@ -17,6 +17,7 @@
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
 #include <stribeck/targets/target.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets::linuxcnc {
@@ -86,7 +87,7 @@ std::string controllers(const ExportRequest& o) {
       io::comment_lines("Written by: " + o.command) + "# SI units; angular frequencies in rad/s.\n";
   out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto model = io::read_toml<sim::AxisFile>(o.files[i]).model;
+    const auto model = workflow::read_axis_file(o.files[i]).model;
     out += '\n' + io::comment_lines(fmt::format("{} from {}", names[i], o.files[i]));
     out += controller_lines(names[i], model, omega, o.feedforward);
   }
@@ -103,7 +104,7 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
   std::string body;
   json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto file = io::read_toml<sim::AxisFile>(o.files[i]);
+    const auto file = workflow::read_axis_file(o.files[i]);
     const friction::AxisModel& model = file.model;
     const bool rotary = file.rotary.value_or(false);
     const double unit = rotary ? kPi / 180.0 : 1e-3;

@@ -40,7 +40,7 @@ std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Ma
   for (const std::string& text : o.axis_files) {
     const auto [axis, axis_file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, file, axis);
-    if (!given.emplace(i, io::read_toml<sim::AxisFile>(axis_file).model).second)
+    if (!given.emplace(i, workflow::read_axis_file(axis_file).model).second)
       refuse_option("--axis-file", fmt::format("axis {} is given twice", machine.axes[i].first));
   }
   std::vector<friction::AxisModel> models(machine.axes.size());

@@ -46,9 +46,7 @@ std::vector<std::string> axis_names(AxisNamer namer, const ExportRequest& o) {
 }
 
 sim::AxisFile axis_file(const std::string& file) {
-  if (io::load_toml(file).find("axes") != nullptr)
-    throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  sim::AxisFile axis = io::read_toml<sim::AxisFile>(file);
+  sim::AxisFile axis = workflow::read_axis_file(file);
   if (axis.rotary.value_or(false))
     throw io::InputError(
         {file, 0, "rotary", "a pulse is found on a circle of two linear axes, this one turns"});

@@ -20,6 +20,7 @@
 #include <stribeck/targets/steady/gain.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -99,9 +100,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   Axis a;
   a.name = name;
   a.file = o.files[i];
-  if (io::load_toml(a.file).find("axes") != nullptr)
-    throw io::InputError({a.file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  const auto file = io::read_toml<sim::AxisFile>(a.file);
+  const auto file = workflow::read_axis_file(a.file);
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
   a.fastest = a.identified = file.identified_speed().value_or(0.0);

@@ -11,6 +11,7 @@
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
+#include <stribeck/workflow/judge/row_means.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -245,9 +246,9 @@ void doubt_all(const std::string& what, ident::Result& r) {
   r.cannot_tell.push_back(what + ": record the motion without it; no number of this result holds");
 }
 
-/// `may_leave_out`: rows on which such a force acts; once.
-Identification diagnosed(const AxisRecords& logged, const Identify& method, bool may_leave_out) {
-  Identification found = method(logged, Depth::kWhole);
+/// `found`: by the method on these logs. `may_leave_out`: rows on which such a force acts; once.
+Identification diagnosed(const AxisRecords& logged, Identification found, const Identify& method,
+                         bool may_leave_out) {
   if (!has_residual(found)) return found;
   std::optional<AxisRecords> before_filter;
   if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
@@ -259,7 +260,7 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method, bool
     if (may_leave_out && d.one_sided->enough_left && may_run_again(found.result.method)) {
       AxisRecords clean = logged;
       for (ident::log::Record& r : clean.records) leave_out(*d.one_sided, r);
-      Identification again = diagnosed(clean, method, false);
+      Identification again = diagnosed(clean, method(clean, Depth::kWhole), method, false);
       again.result.warnings.push_back(what + "; these rows are left out");
       return again;
     }
@@ -324,7 +325,17 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method, bool
 }  // namespace
 
 Identification diagnosed(const AxisRecords& logged, const Identify& method) {
-  return diagnosed(logged, method, true);
+  Identification found = method(logged, Depth::kWhole);
+  if (has_residual(found) && may_run_again(found.result.method)) {
+    if (const std::optional<AxisRecords> mended = without_row_means(logged, found, method)) {
+      found = diagnosed(*mended, method(*mended, Depth::kWhole), method, true);
+      found.result.warnings.push_back(fmt::format(
+          "the force of this log is the mean over each row of {:.3g} ms, as of a trend; this is taken into account: log faster for the mass",
+          1e3 * logged.records.front().sample_time));
+      return found;
+    }
+  }
+  return diagnosed(logged, std::move(found), method, true);
 }
 
 }  // namespace stribeck::workflow

@@ -65,19 +65,27 @@ void set_turn_of_table(io::Node& axis, const std::string& file) {
   }
 }
 
-/// A file of another kind misses every key of a machine.
-void refuse_other_kind(const io::Node& file, const std::string& name) {
-  if (file.find("axes") != nullptr) return;
-  const bool axis = file.find("friction") != nullptr, controller = file.find("law") != nullptr;
-  if (!axis && !controller) return;
+/// What a file is by its tables; empty: nothing that is known here.
+std::string_view kind_of(const io::Node& file) {
+  return file.find("axes") != nullptr       ? "a machine file"
+         : file.find("friction") != nullptr ? "an axis file"
+         : file.find("law") != nullptr      ? "a controller file"
+         : file.find("factors") != nullptr  ? "a study"
+                                            : "";
+}
+
+/// A file of another kind misses every key of the one that is expected.
+void refuse_other_kind(const io::Node& file, const std::string& name, std::string_view kind,
+                       const char* expected) {
+  const std::string_view is = kind_of(file);
+  if (is.empty() || is == kind) return;
   throw io::InputError(
-      {name, 0, "axes",
-       fmt::format("is {}, expected a machine file with a table for each axis (stribeck init writes one)",
-                   axis ? "an axis file, as identify writes it" : "a controller file")});
+      {name, 0, is == "a machine file" ? "axes" : "", fmt::format("is {}, expected {}", is, expected)});
 }
 
 MachineDescription described(io::Node file, const std::string& name) {
-  refuse_other_kind(file, name);
+  refuse_other_kind(file, name, "a machine file",
+                    "a machine file, with a table for each axis (stribeck init writes one)");
   for (io::Node& table : file.children) {
     if (table.key != "axes") continue;
     for (io::Node& axis : table.children) {
@@ -110,6 +118,11 @@ bool describes_machine(const std::string& file) {
   } catch (const io::InputError&) {
     return false;
   }
+}
+
+sim::AxisFile read_axis_file(const std::string& file) {
+  refuse_other_kind(io::load_toml(file), file, "an axis file", "an axis file written by identify");
+  return io::read_toml<sim::AxisFile>(file);
 }
 
 MachineDescription read_description(const std::string& file) { return described(io::load_toml(file), file); }

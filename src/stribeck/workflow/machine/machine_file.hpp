@@ -25,6 +25,9 @@ MachineDescription parse_description(std::string_view text, const std::string& f
 /// Whether a file is a machine file and not an axis file or a log: it has a table `axes`. False where it cannot be read.
 bool describes_machine(const std::string& file);
 
+/// An axis file; a machine file or a controller file in its place is called so. Errors: InputError with file, line and key.
+sim::AxisFile read_axis_file(const std::string& file);
+
 /// What to do with an axis that has neither a truth nor an identified model.
 enum class AxisWithoutTruth {
   kRefused,

@@ -49,8 +49,7 @@ std::optional<plant::LostMotion> lost_motion(const sim::AxisFile& file) {
 
 plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
                                  const std::string& machine_file, const std::string& axis_file) {
-  return model_as_truth(axis, name, sample_time, machine_file, axis_file,
-                        io::read_toml<sim::AxisFile>(axis_file));
+  return model_as_truth(axis, name, sample_time, machine_file, axis_file, read_axis_file(axis_file));
 }
 
 plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,

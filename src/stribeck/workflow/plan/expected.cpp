@@ -131,7 +131,7 @@ StandIn::StandIn(const MachineDescription& machine, const std::string& file, std
                  const std::string& known)
     : machine_(machine), real_(machine), axis_(axis), known_(known) {
   auto& [name, a] = machine_.axes[axis];
-  sim::AxisFile model = known.empty() ? rough_model(a) : io::read_toml<sim::AxisFile>(known);
+  sim::AxisFile model = known.empty() ? rough_model(a) : read_axis_file(known);
   constexpr double kDelay = 1.5;  // [periods]: how well a delay would be told shows where there is one
   if (!(model.model.delay > 0.0)) model.model.delay = kDelay * machine.sample_time;
   plant::AxisParams plant =

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <string_view>
 #include <utility>
@@ -78,7 +79,11 @@ Label with_word(const io::Column& c, bool at_end) {
 /// A word that says nothing by itself is the name of an axis where it stands beside two quantities, one of them of the motion: "RA_cmd",
 /// "RA_torque".
 bool names_an_axis(const io::Log& log, const std::string& word, bool at_end) {
-  if (meaning_of(word + " pos", "mm")) return false;
+  constexpr std::array kUnits{"mm", "mm/s", "N", "N m", "A", "%", "V"};
+  const bool known = meaning_of(word + " pos", "mm") ||
+                     std::any_of(kUnits.begin(), kUnits.end(),
+                                 [&](const char* unit) { return meaning_of(word, unit).has_value(); });
+  if (known) return false;
   std::vector<LogQuantity> found;
   bool moves = false;
   for (const io::Column& c : log.columns) {
