@@ -26,10 +26,14 @@ std::string default_text(const Value& value, const Quantity& q) {
     case Kind::kCount:
       return detail::inline_value(value, q, {});
     case Kind::kList: {
+      // As it is typed: ["20 1/s", "40 1/s"].
       std::string text;
-      for (std::size_t i = 0; i < value.size(); ++i)
-        text += (text.empty() ? "" : ", ") + default_text(value[i], q);
-      return text.empty() ? "none" : text;
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        const bool number = value[i].kind() == Kind::kNumber && !q.unit.empty();
+        const std::string one = default_text(value[i], q);
+        text += (text.empty() ? "" : ", ") + (number ? '"' + one + '"' : one);
+      }
+      return text.empty() ? "none" : "[" + text + "]";
     }
     case Kind::kGroup:
     case Kind::kVariant:

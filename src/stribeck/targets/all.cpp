@@ -133,7 +133,7 @@ SteadyTexts steady_texts(const ExportRequest& o) {
       out.refused.push_back(fmt::format("{}, because {}", t->name, e.what()));
     }
   }
-  // What no target takes is wrong with the files or the options.
+  // If no target accepts them, the files or the options are wrong.
   if (out.all.empty() && first) std::rethrow_exception(first);
   return out;
 }

@@ -79,7 +79,7 @@ class RecordsOfAxis {
   }
 
   [[nodiscard]] AxisRecords all() && {
-    constexpr double kFewRows = 100.0;  // so few are an axis that settles
+    constexpr double kFewRows = 100.0;  // fewer rows in a direction come from settling
     constexpr double kShare = 0.1;      // of a short log
     const double least = std::min(kFewRows, kShare * moving_);
     axis_.one_direction = !(forward_ > least) || !(backward_ > least);

@@ -47,7 +47,7 @@ Track chosen_rows(const io::Log& log, const Track& track, const std::string& whe
   return some;
 }
 
-/// No machine makes a circle that is off by a thousandth of its radius: the nominal radius is another one.
+/// A mean radius that is off by more than a thousandth means that the given nominal radius is wrong.
 void note_other_length(const Track& t, double radius, std::vector<std::string>& notes) {
   constexpr double kMost = 1e-3;
   double sum = 0.0;

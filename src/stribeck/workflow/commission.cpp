@@ -192,7 +192,7 @@ Held hold(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
   return {0.5 * (up + down), 0.5 * std::abs(up - down)};
 }
 
-/// Whether one step of the encoder in one period is a speed that counts beside that of the axis: the methods of the thesis take the
+/// Whether one step of the encoder in one period exceeds a small share of the speed limit: the methods of the thesis take the
 /// difference of neighbouring rows for the speed, and find nothing then.
 bool coarse_encoder(const sim::Machine& machine, std::size_t axis) {
   constexpr double kCounts = 0.02;

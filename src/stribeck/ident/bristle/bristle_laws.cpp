@@ -16,14 +16,14 @@ constexpr int kMostTurns = 6;
 constexpr double kSameCut = 0.3;   ///< of ln σ0: the pieces need not be cut anew
 constexpr double kSettled = 1e-3;  ///< of ln σ0
 constexpr double kMostMoved =
-    0.1;  ///< of ln σ0: the spline is wrong by a few percent; by more, law and motion confirm each other
+    0.1;  ///< largest change of ln σ0 that is taken: beyond it, law and motion repeat each other's error
 constexpr double kPoor = 0.4;         ///< share of the static residual that is left: other starts are tried
 constexpr double kClearlyLess = 0.7;  ///< less by this factor: the other start is right
 constexpr std::size_t kFewRows = 20;
 constexpr std::size_t kMostRowsForStarts = 20'000;  ///< one fit alone takes long
 constexpr std::size_t kMostRows = 6'000;
 constexpr std::size_t kFewPieces = 40;
-constexpr std::size_t kFarTooManyRows = 40'000;  ///< of forty pieces: eight do
+constexpr std::size_t kFarTooManyRows = 40'000;  ///< with more rows, eight pieces do in place of forty
 constexpr std::size_t kFewestPieces = 8;
 /// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
@@ -179,8 +179,8 @@ double rms_of(const Model& model, const VectorXd& p) {
   return std::sqrt(e.squaredNorm() / static_cast<double>(std::max<Index>(1, e.size())));
 }
 
-/// The motion between the ticks is that of the law found so far; in turns, until the stiffness stays. A motion that describes the
-/// force worse than the spline is not taken.
+/// Simulates the motion between the ticks with the present law, then fits the law to it, in turns until the stiffness no longer
+/// changes. A motion that describes the force worse than the spline is not taken.
 Solution solve_swinging(const Given& given, const Fitted& f, Rows& rows) {
   const auto model = lugre_model(rows.setting);
   Solution at = f.solution;

@@ -134,8 +134,8 @@ class ModelOf final : public Model {
     return travel;
   }
 
-  /// The law after the sample, whose steps are laid; `v` is the velocity before and then after it. What the measured travel says
-  /// more is shared by that velocity and a constant force: noise of the drive. So an error of the velocity fades.
+  /// The law after the sample, whose steps are laid; `v` is the velocity before and then after it. A difference
+  /// between measured and simulated travel is split: half corrects this velocity, half becomes a constant force. So its error fades.
   template <class L>
   L follow_sample(const Swing& s, const L& law, double& v) const {
     constexpr int kShots = 40;

@@ -202,7 +202,7 @@ Cause spike_at_one_end(const std::array<PeaksAtEnd, 2>& ends, int axis) {
   return out;
 }
 
-/// Heights of the two ends of an axis where one bulges out and the other in, each in every peak: their mean would be of none.
+/// Heights of the two ends of an axis where one bulges out and the other in. Their mean describes neither, so both are kept.
 void tell_opposite_ends(const std::array<PeaksAtEnd, 2>& ends, Cause& out) {
   const PeaksAtEnd &a = ends[0], &b = ends[1];
   if (!a.alike() || !b.alike() || !(a.height() * b.height() < 0.0)) return;

@@ -272,7 +272,7 @@ std::vector<Pitch> find_pitches(const CauseRows& all) {
     if (!search.clear(kClear) || search.at_the_end()) break;
     found.push_back(search.best());
   }
-  // Each once more beside the others, whose effects moved the first search a little.
+  // Searches each pitch again with the others in the fit.
   for (std::size_t k = 0; k < found.size(); ++k) {
     std::vector<Pitch> others = found;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));

@@ -116,7 +116,7 @@ std::vector<double> predicted_velocity(const log::Record& record, const log::Mot
 }
 
 AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,
-                           Notes& notes) {
+                           Notes& notes, bool mass_is_given) {
   if (records.empty()) throw Refused("identification: no record given");
   AlignedLog out;
   out.records = records;
@@ -139,7 +139,7 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
       for (std::size_t k = 1; k + 1 < v.size(); ++k)
         m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
     }
-    if (m.loop == log::Loop::kAutomatic) {
+    if (m.loop == log::Loop::kAutomatic && !mass_is_given) {
       std::string text =
           r.source +
           ": no reference and no programmed force: the mass is found from smoothed accelerations alone";

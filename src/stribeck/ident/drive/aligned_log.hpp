@@ -43,8 +43,9 @@ struct AlignedLog {
   double shift = kHeldForce;  ///< of the force, as in MotionOptions [rows]
 };
 
+/// `mass_is_given`: nothing is said of how well the motion tells it.
 AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,
-                           Notes& notes);
+                           Notes& notes, bool mass_is_given = false);
 
 /// v̂ at every row of a record in closed loop; empty without a reference.
 std::vector<double> predicted_velocity(const log::Record& record, const log::Motion& motion);

@@ -60,6 +60,9 @@ TEST(AlignedLog, WithoutAReferenceACalmerMotionTakesItsPlace) {
   EXPECT_NE(with.predicted[0], log::calm_velocity(with.motions[0]));
   EXPECT_EQ(without.shift, kHeldForce);
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("no reference and no programmed force")));
+  Notes given;
+  static_cast<void>(reconstruct_all(pieces, 0.0, std::nullopt, given, true));
+  EXPECT_THAT(given.warnings, IsEmpty());
 }
 
 /// A slow sine, and on it a fast one that makes four fifths of the acceleration.

@@ -17,10 +17,12 @@ constexpr double kMostHalf = 1e12;    ///< in SI: a wider interval is none
 constexpr double kVagueShift = 0.3;   ///< [rows] half width of a shift that is worth a word
 constexpr double kApart = 0.05;       ///< of friction: difference of the directions that is worth a word
 constexpr double kWorthRise = 0.005;  // of the Coulomb force: less is rounding, and has no Stribeck speed
-constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
+constexpr double kMostOfStribeckSpeed =
+    0.5;  ///< share of the Stribeck speed: rows this slow show four fifths of the rise
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kFastStribeckSpeed = 0.05;   ///< [m/s]
-constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
+constexpr double kSlowOfTop =
+    0.01;  ///< [share of the top speed] used for angles in place of kUsualStribeckSpeed
 constexpr double kWorthSlow = 0.02;  ///< of the top speed: a curve that begins below it needs no word
 constexpr double kMostUnseen =
     0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
@@ -435,7 +437,7 @@ void Description::write_curve(int s) {
   result_.curve.insert(result_.curve.end(), points.begin(), points.end());
 }
 
-/// The ends of the curve that the data hardly tell are left out, and that is said. Points in ascending speed.
+/// Drops the ends of the curve whose half width exceeds a fifth of the friction, and adds a note. Points in ascending speed.
 void Description::keep_told(std::vector<CurvePoint>& points) {
   const auto [first, last] = told_part(points);
   const Shown shown(found_.log.records.front());

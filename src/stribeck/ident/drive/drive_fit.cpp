@@ -248,7 +248,7 @@ void take_out_places(Placed& p, const DriveFitOptions& options, bool shift_known
 Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& options) {
   Notes notes;
   Stage stage;
-  stage.log = reconstruct_all(records, options.cut_off, options.shift, notes);
+  stage.log = reconstruct_all(records, options.cut_off, options.shift, notes, options.mass.has_value());
   stage.extent = extent_of(stage.log);
   stage.terms.known_mass = options.mass;
   const bool shift_known = options.shift || !one_sample_time(records);

@@ -194,7 +194,7 @@ void add_steps(Health& health) {
     for (std::size_t i = 0; i < health.channels.size(); ++i)
       change.shifts.push_back(shift_at(health.channels[i], i, change, health.changes, spacing));
     judge(change, health.channels);
-    if (change.restores) change.causes.clear();  // what was the cause of the earlier step is gone
+    if (change.restores) change.causes.clear();  // the cause of the earlier step has ended
   }
 }
 
@@ -202,7 +202,7 @@ void add_drift(Health& health) {
   const auto drifted = std::find_if(health.channels.begin(), health.channels.end(),
                                     [](const Channel& c) { return c.trend.drifted; });
   if (drifted == health.channels.end()) return;
-  // Where steps beyond the limit already say it, they are the change.
+  // Steps beyond the limit report this change already.
   const bool by_steps = std::all_of(health.channels.begin(), health.channels.end(),
                                     [](const Channel& c) { return !c.trend.drifted || c.trend.stepped; });
   if (by_steps) return;

@@ -42,7 +42,7 @@ double scatter_of(const std::vector<double>& y, const std::vector<Reading>& read
     const double found = std::max(near, far) * (1.0 + rho) / (1.0 - rho);
     return std::sqrt((kScatterWorth * prior * prior + n * found) / (kScatterWorth + n));
   }
-  // Its own interval also holds what is wrong in the same way every day: it counts only as long as nothing better is known.
+  // The interval of one measurement also holds errors that are the same every day: it is used while there are few measurements.
   std::vector<double> own;
   for (const Reading& r : readings) own.push_back(r.half_width / kTwoSided);
   return std::max(prior, stats::median(own));

@@ -164,10 +164,14 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
       if (moves && !limit && !programmed(m, begin, k - 1)) {
         notes.add_range(
             "stuck", m, begin, k - 1, true,
-            fmt::format(
-                "the force keeps the value {:.6g} to the last digit while the axis moves: the channel was "
-                "stuck; cut out",
-                m.f[begin]),
+            m.f[begin] == 0.0
+                ? std::string(
+                      "the force is exactly 0 while the axis moves: the drive was off, as after an emergency stop, or the "
+                      "channel was stuck; cut out")
+                : fmt::format(
+                      "the force keeps the value {:.6g} to the last digit while the axis moves: the channel was "
+                      "stuck; cut out",
+                      m.f[begin]),
             {m.f[begin]});
         out.push_back(slice(m, from, begin + 1));
         out.back().gap_before = m.gap_before || from > 0;

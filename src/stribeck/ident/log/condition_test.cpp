@@ -684,6 +684,10 @@ TEST(Condition, StuckChannels) {
   const Conditioned d = condition(log);
   EXPECT_EQ(only(d, "stuck").row, 3001U);
   EXPECT_EQ(d.records.size(), 2U);
+  EXPECT_THAT(only(d, "stuck").text, HasSubstr("the channel was stuck"));
+  log = logged();
+  std::fill(log.f.y.begin() + 3000, log.f.y.begin() + 3400, 0.0);
+  EXPECT_THAT(only(condition(log), "stuck").text, HasSubstr("the drive was off"));
 }
 
 // Whole rpm and tenths of a percent repeat some rows at constant speed.

@@ -150,8 +150,8 @@ struct Repeats {
   std::size_t back;   ///< times that the time goes back
 };
 
-/// Makes rows even whose stamps are coarser than they are apart. How many rows were lost in a stamp shows in no stamp: what
-/// finds them there shortens the step.
+/// Makes rows even whose stamps are coarser than they are apart. The stamps do not show how many rows
+/// were lost within one of them: mend_lost_rows() shortens the step later.
 void restamp_coarse(Table& m, const Repeats& repeats, Notes& notes) {
   const double step = m.t.back() > m.t.front() ? rounding_of(m.t) : 0.0;
   const auto even = rows_between_changes(m.t);

@@ -171,7 +171,8 @@ bool take_sliding(LostMotion& out, std::optional<WhileSliding> sliding, bool coa
   if (!sliding) return false;
   Estimate& total = sliding->total;
   total.half_width = std::hypot(total.half_width, kOfStep * step);
-  const bool worse = !out.total || coasts || total.half_width < kBetter * out.total->half_width;
+  const bool worse = !out.total || coasts ||
+                     (!(out.total->low() > 0.0) && total.half_width < kBetter * out.total->half_width);
   if (!worse || !(total.low() > 0.0)) return false;
   out.total = total;
   out.scale_error = sliding->scale_error;

@@ -186,6 +186,7 @@ SlidingFit fit_sliding(const std::vector<std::vector<Row>>& strokes, double midd
     if (part.has(i)) rows.insert(rows.end(), strokes[i].begin(), strokes[i].end());
   }
   const auto n = static_cast<Eigen::Index>(rows.size());
+  if (n < 10) return {};
   Eigen::MatrixXd X(n, 5);
   Eigen::VectorXd y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -194,7 +195,7 @@ SlidingFit fit_sliding(const std::vector<std::vector<Row>>& strokes, double midd
     y(i) = r[0];
   }
   const stats::LeastSquares solved = stats::least_squares(X, y);
-  if (n < 10 || solved.rank < 5) return {};
+  if (solved.rank < 5) return {};
   const Eigen::MatrixXd others = X.leftCols(kDirection);
   const Eigen::VectorXd column = X.col(kDirection);
   const Eigen::VectorXd left = column - others * stats::least_squares(others, column).x;

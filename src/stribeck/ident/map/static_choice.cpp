@@ -205,7 +205,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     if (!next) break;
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
-    // Not a candidate, but a start for one with a term more.
+    // No candidate: the start of the fit with one term more.
     if (!options.terms && (has_idle_term(fit, all) || has_term_beyond(fit, all))) {
       ++vain;
       continue;
@@ -345,7 +345,7 @@ struct ByDirection {
   }
 };
 
-/// Mean friction of both directions, in which a load takes itself off [N].
+/// Mean friction of both directions, in which a load cancels [N].
 double friction_of(const std::array<SideSums, kSides>& sums) {
   double friction = 0.0, sides = 0.0;
   for (const SideSums& side : sums) {

@@ -26,16 +26,32 @@ constexpr double kPassed = 0.8;           // of the strips must have been passed
 constexpr double kMostOfTravel = 0.9;     // some of the travel must be free of it
 constexpr std::size_t kFewestLeft = 200;  // rows of the direction that are free of it
 
-enum class Acts { kInOneDirection, kAgainstBoth, kTheSameInBoth };
+enum class Acts { kNot, kInOneDirection, kAgainstBoth, kTheSameInBoth, kSmoothly };
 
 double hat(const Rows& rows, const Row& r, std::size_t i) {
   const double at = std::clamp(0.5 * (rows.along(r) + 1.0), 0.0, 1.0) * static_cast<double>(kHats - 1);
   return std::max(0.0, 1.0 - std::abs(at - static_cast<double>(i)));
 }
 
-/// The whole force on the columns of the model and a force of the place, 0 at the lowest place.
+/// The whole force on the columns of the model, friction that drifts over the rows, and a force of the place, 0 at the lowest place.
 Fit with_places(const Rows& rows, Acts acts, double direction) {
   Columns columns = model_columns(rows);
+  // By strokes, which are counted over all records.
+  const double strokes = std::max(1, rows.rows.back().stretch);
+  const auto time = [strokes](const Row& r) { return 2.0 * r.stretch / strokes - 1.0; };
+  columns.emplace_back([time](const Row& r) { return r.sign * time(r); });
+  columns.emplace_back([time](const Row& r) { return r.sign * time(r) * time(r); });
+  if (acts == Acts::kSmoothly) {
+    // A spring beside friction that grows along the travel is nothing in one direction.
+    for (const bool against : {false, true}) {
+      for (const int power : {1, 2, 3}) {
+        columns.emplace_back([&rows, against, power](const Row& r) {
+          return (against ? r.sign : 1.0) * std::pow(rows.along(r), power);
+        });
+      }
+    }
+  }
+  if (acts == Acts::kNot || acts == Acts::kSmoothly) return fit(rows, columns, &Row::f);
   for (std::size_t i = 1; i < kHats; ++i) {
     columns.emplace_back([&rows, acts, direction, i](const Row& r) {
       if (acts == Acts::kInOneDirection && r.sign != direction) return 0.0;
@@ -68,6 +84,28 @@ struct Strips {
   [[nodiscard]] double mean(std::size_t s) const { return sum[s] / rows[s]; }
 };
 
+/// Whether the force acts in at least three strokes and in half of those that pass its place: one that acts once is another thing.
+bool comes_again(const Rows& rows, const Fit& f, const OneSided& force, double free) {
+  constexpr double kOfForce = 0.4;
+  constexpr double kFewestStrokes = 3.0;
+  const auto places = static_cast<Index>(kHats - 1);
+  double strokes = 0.0, with = 0.0, sum = 0.0, count = 0.0;
+  const auto end_stroke = [&] {
+    if (count > 2.0) strokes += 1.0, with += sum / count > kOfForce * force.force ? 1.0 : 0.0;
+    sum = count = 0.0;
+  };
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const Row& r = rows.rows[i];
+    if (i > 0 && r.stretch != rows.rows[i - 1].stretch) end_stroke();
+    if (r.sign != force.direction || !force.holds(r.x)) continue;
+    const auto row = static_cast<Index>(i);
+    sum += force.direction * (f.left(row) + f.X.row(row).tail(places).dot(f.theta.tail(places))) - free;
+    count += 1.0;
+  }
+  end_stroke();
+  return with >= kFewestStrokes && 2.0 * with >= strokes;
+}
+
 std::optional<OneSided> in_direction(const Rows& rows, const Fit& f, double direction) {
   const Strips strips(rows, f, direction);
   std::vector<double> means;
@@ -95,6 +133,7 @@ std::optional<OneSided> in_direction(const Rows& rows, const Fit& f, double dire
     return rows.low + (rows.high - rows.low) * static_cast<double>(s) / static_cast<double>(kStrips);
   };
   OneSided out{direction, sum / count, place(first), place(last + 1), first == 0, last + 1 == kStrips};
+  if (!comes_again(rows, f, out, free)) return std::nullopt;
   const auto left = std::count_if(rows.rows.begin(), rows.rows.end(),
                                   [&](const Row& r) { return r.sign == direction && !out.holds(r.x); });
   out.enough_left = static_cast<std::size_t>(left) >= kFewestLeft;
@@ -104,14 +143,14 @@ std::optional<OneSided> in_direction(const Rows& rows, const Fit& f, double dire
 }  // namespace
 
 void find_one_sided(const Rows& rows, Diagnosis& out) {
-  const double none = fit(rows, model_columns(rows), &Row::f).square;
+  const double none = with_places(rows, Acts::kNot, 0.0).square;
   const std::pair<Fit, double> up{with_places(rows, Acts::kInOneDirection, 1.0), 1.0};
   const std::pair<Fit, double> down{with_places(rows, Acts::kInOneDirection, -1.0), -1.0};
   const auto& [better, direction] = up.first.square < down.first.square ? up : down;
   if (better.square > kOfNone * none) return;
-  const double both = std::min(with_places(rows, Acts::kAgainstBoth, 0.0).square,
-                               with_places(rows, Acts::kTheSameInBoth, 0.0).square);
-  if (better.square > kOfBoth * both) return;
+  for (const Acts other : {Acts::kAgainstBoth, Acts::kTheSameInBoth, Acts::kSmoothly}) {
+    if (better.square > kOfBoth * with_places(rows, other, 0.0).square) return;
+  }
   out.one_sided = in_direction(rows, better, direction);
 }
 

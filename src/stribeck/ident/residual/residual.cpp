@@ -210,7 +210,7 @@ double shift_in_rows(const Result& result, double period) {
   return shift != nullptr ? shift->value / period : -0.5;
 }
 
-Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result) {
+Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result, bool one_sided) {
   Diagnosis out;
   Collector collected(records, result);
   const Sums& s = collected.sums;
@@ -228,7 +228,7 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
   const Rows rows = collected.take();
   if (rows.high > rows.low && rows.friction > 0.0) {
-    find_one_sided(rows, out);
+    if (one_sided) find_one_sided(rows, out);
     if (out.one_sided) return out;  // it would look like any of the causes below
     find_causes(collected.left, rows, out);
     find_changes(rows, out);

@@ -128,7 +128,8 @@ struct Diagnosis {
 /// Rows by which the force is later than its motion (log::MotionOptions): as given, as found, else -0.5 for a held force.
 double shift_in_rows(const Result& result, double period);
 
-Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result);
+/// `one_sided`: whether a force in one direction is looked for, before all others.
+Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result, bool one_sided = true);
 
 /// One or two sentences about the quality.
 std::string in_words(const Quality& quality, const std::string& force_unit);

@@ -261,7 +261,10 @@ TEST(Residual, AForceInBothDirectionsIsNotInOne) {
   const auto spring = [](const Moment& m) { return 500.0 * m.x; };
   const auto rough = [](const Moment& m) { return m.x > 0.02 ? 15.0 * sign(m.v) : 0.0; };
   const auto uneven = [](const Moment& m) { return m.v > 0.0 ? 15.0 : 0.0; };
-  for (const Extra& extra : {Extra(none), Extra(spring), Extra(rough), Extra(uneven)})
+  const auto spring_and_rough = [](const Moment& m) { return 100.0 * m.x + 100.0 * (m.x + 0.1) * sign(m.v); };
+  const auto warming = [](const Moment& m) { return -10.0 * (1.0 - std::exp(-m.t / 15.0)) * sign(m.v); };
+  for (const Extra& extra :
+       {Extra(none), Extra(spring), Extra(rough), Extra(uneven), Extra(spring_and_rough), Extra(warming)})
     EXPECT_FALSE(diagnose({record_of(two_sines, extra)}, truth()).one_sided);
 }
 

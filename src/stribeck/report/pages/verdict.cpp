@@ -48,9 +48,10 @@ std::string change(double value, double against) {
   if (!std::isfinite(percent)) return {};
   if (std::abs(percent) < 0.5) return "the same";
   // 0.03 of 14.8 is 99.8 % less, not all of it.
-  constexpr int kMostDecimals = 4;
+  constexpr double kNearlyAll = 99.99;
+  if (value > 0.0 && percent < -kNearlyAll) return fmt::format("over {}\u00A0% less", kNearlyAll);
   int decimals = 0;
-  while (percent < -(100.0 - 0.5 * std::pow(10.0, -decimals)) && decimals < kMostDecimals) ++decimals;
+  while (value > 0.0 && percent < -(100.0 - 0.5 * std::pow(10.0, -decimals))) ++decimals;
   return fmt::format("{:.{}f}\u00A0% {}", std::abs(percent), decimals, percent < 0.0 ? "less" : "more");
 }
 

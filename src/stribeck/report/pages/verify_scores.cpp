@@ -194,7 +194,7 @@ std::string_view name_of(Grade grade) noexcept {
 
 namespace {
 
-/// What the log makes a right model miss is no fault of the model.
+/// The part of the error that the log itself causes does not count against the model.
 Grade grade_of(const Verdict& v, const GradeLimits& limits) {
   if (!std::isfinite(v.error)) return Grade::kUndecided;
   if (100.0 * v.error <= limits.good) return Grade::kGood;

@@ -199,14 +199,14 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   t.loop = cascade_of(o, t.period);
   t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
   t.feed = feed_of(o, files, t.machine, t.radius);
-  constexpr double kMostTicks = 2e6, kLaps = 2.0;
+  constexpr double kMostTicks = 4e6, kLaps = 2.0;
   const double ticks = kLaps * 2.0 * kPi * t.radius / t.feed / t.period;
   if (!(ticks <= kMostTicks))
     refuse_option(
         "--size",
         fmt::format(
             "two circles of {:.4g} mm at {:.4g} mm/s take {:.3g} control periods, at most {:.3g} are simulated "
-            "(give a smaller radius, or a higher --speed)",
+            "(give a smaller radius, a higher --speed or a longer --period)",
             1e3 * t.radius, 1e3 * t.feed, ticks, kMostTicks));
   return t;
 }

@@ -139,7 +139,7 @@ Form pmac(const Axis& axis) {
   const Levels l = levels_of(axis, 1.0, true);
   constexpr double kFull = 32767.0;
   const double largest = std::max(l.positive, l.negative);
-  if (largest > kFull)
+  if (!(largest <= kFull))
     workflow::refuse_option(
         "--gain", fmt::format("friction would be Ixx68 = {:.4g}, expected at most {:g} (check the gain)",
                               largest, kFull));

@@ -225,7 +225,8 @@ Cleaned refined(Cleaned first, const ident::residual::Diagnosis& before, const i
   if (result.filter && !axis.records.front().filter) return first;  // found just now: `axis` still has it
   bool moved = shift_moved(by, result, axis);
   if (first.taken.elastic && !before.elastic) {
-    const auto finer = ident::residual::diagnose(without(axis, before, result).records, result).elastic;
+    const auto finer =
+        ident::residual::diagnose(without(axis, before, result).records, result, false).elastic;
     if (finer) first.taken.elastic = finer;
     moved = moved || finer;
   }
@@ -246,25 +247,27 @@ void doubt_all(const std::string& what, ident::Result& r) {
   r.cannot_tell.push_back(what + ": record the motion without it; no number of this result holds");
 }
 
-/// `found`: by the method on these logs. `may_leave_out`: rows on which such a force acts; once.
+/// `found`: by the method on these logs. `rounds`: how often rows with a force in one direction may be left out.
 Identification diagnosed(const AxisRecords& logged, Identification found, const Identify& method,
-                         bool may_leave_out) {
+                         int rounds = 2) {
   if (!has_residual(found)) return found;
   std::optional<AxisRecords> before_filter;
   if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
   const AxisRecords& axis = before_filter ? *before_filter : logged;
-  ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
+  ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result, rounds > 0);
   if (d.one_sided) {
     const std::string what = in_words(
         *d.one_sided, ident::Shown(found.result.position_unit, found.result.force_unit, logged.rotary));
-    if (may_leave_out && d.one_sided->enough_left && may_run_again(found.result.method)) {
+    if (d.one_sided->enough_left && may_run_again(found.result.method)) {
       AxisRecords clean = logged;
       for (ident::log::Record& r : clean.records) leave_out(*d.one_sided, r);
-      Identification again = diagnosed(clean, method(clean, Depth::kWhole), method, false);
+      Identification again = diagnosed(clean, method(clean, Depth::kWhole), method, rounds - 1);
       again.result.warnings.push_back(what + "; these rows are left out");
       return again;
     }
     doubt_all(what, found.result);
+    found.quality = std::move(d.quality);
+    found.result.warnings.insert(found.result.warnings.end(), d.warnings.begin(), d.warnings.end());
     return found;
   }
   std::optional<Cleaned> last;
@@ -276,11 +279,11 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
     // Both sides of the comparison are identified in the same way.
     if (std::isnan(rms)) {
       last = Cleaned{taken, axis, method(axis, Depth::kSteady)};
-      rms = ident::residual::diagnose(axis.records, last->found.result).quality.rms;
+      rms = ident::residual::diagnose(axis.records, last->found.result, false).quality.rms;
     }
     const ident::Result before = last->found.result;
     Cleaned now = refined(clean(axis, more, before, method), taken, before, axis, method);
-    ident::residual::Diagnosis left = ident::residual::diagnose(now.axis.records, now.found.result);
+    ident::residual::Diagnosis left = ident::residual::diagnose(now.axis.records, now.found.result, false);
     const double least = next.elastic ? kMuchBetter : is_sure(next) ? 1.0 : kBetter;
     if (!(left.quality.rms < least * rms)) {
       if (!next.elastic) break;
@@ -297,14 +300,15 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
     ident::residual::Diagnosis rigid = taken;
     rigid.elastic.reset();
     Cleaned now = clean(axis, rigid, last->found.result, method);
-    if (kMuchBetter * ident::residual::diagnose(now.axis.records, now.found.result).quality.rms < rms) {
+    if (kMuchBetter * ident::residual::diagnose(now.axis.records, now.found.result, false).quality.rms <
+        rms) {
       taken = std::move(rigid);
       last = std::move(now);
     }
   }
   if (taken.elastic || taken.spring || taken.unbalance) {
     found = method(last->axis, Depth::kWhole);
-    d = ident::residual::diagnose(last->axis.records, found.result);
+    d = ident::residual::diagnose(last->axis.records, found.result, false);
     if (found.result.method == Method::kJog) without_mass(found.result);
   }
   if (taken.elastic) write_elastic(*taken.elastic, found.result);
@@ -328,14 +332,14 @@ Identification diagnosed(const AxisRecords& logged, const Identify& method) {
   Identification found = method(logged, Depth::kWhole);
   if (has_residual(found) && may_run_again(found.result.method)) {
     if (const std::optional<AxisRecords> mended = without_row_means(logged, found, method)) {
-      found = diagnosed(*mended, method(*mended, Depth::kWhole), method, true);
+      found = diagnosed(*mended, method(*mended, Depth::kWhole), method);
       found.result.warnings.push_back(fmt::format(
           "the force of this log is the mean over each row of {:.3g} ms, as of a trend; this is taken into account: log faster for the mass",
           1e3 * logged.records.front().sample_time));
       return found;
     }
   }
-  return diagnosed(logged, std::move(found), method, true);
+  return diagnosed(logged, std::move(found), method);
 }
 
 }  // namespace stribeck::workflow

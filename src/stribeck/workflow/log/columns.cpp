@@ -29,7 +29,7 @@ LogQuantity quantity_called(std::string_view name) {
 /// "1/s", "Hz", "1/min": per time, but not of what.
 bool is_bare_rate(const std::string& unit) { return conversion_between(unit, "Hz").has_value(); }
 
-/// Whether --map says of what a bare rate is one: turns, radians or degrees.
+/// Whether --map names the unit behind a bare rate (1/s): turns, radians or degrees.
 bool tells_rate(const std::string& unit, const std::string& own) {
   return is_bare_rate(own) && conversion_between(unit, "rad/s").has_value();
 }
@@ -118,9 +118,10 @@ struct Candidate {
 std::vector<std::string> axes_of_positions(const io::Log& log, const std::string& axis) {
   const KnownColumn& position = known_column(LogQuantity::kPosition);
   std::vector<std::string> axes;
+  const AxisWords words = axis_words(log);
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
-    for (const Label& label : labels_in(log, c, axis)) {
+    for (const Label& label : labels_in(log, c, axis, words)) {
       for (const auto& family : position.families) {
         if (std::find(family.begin(), family.end(), label.base) != family.end()) axes.push_back(label.axis);
       }
@@ -134,9 +135,10 @@ std::vector<std::string> axes_of_positions(const io::Log& log, const std::string
 
 std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, const std::string& axis) {
   std::vector<Candidate> out;
+  const AxisWords words = axis_words(log);
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
-    for (const Label& label : labels_in(log, c, axis)) {
+    for (const Label& label : labels_in(log, c, axis, words)) {
       bool done = false;
       for (std::size_t f = 0; f < k.families.size() && !done; ++f) {
         const auto at = std::find(k.families[f].begin(), k.families[f].end(), label.base);

@@ -95,9 +95,13 @@ void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::stri
 /// The voltage of a motor makes no force in proportion: what its turning induces counts against it.
 void note_motor_voltage(const Effort& e, std::vector<std::string>& notes) {
   constexpr std::array<std::string_view, 3> kDuty{"pwm", "duty", "tastgrad"};
-  constexpr std::array<std::string_view, 5> kOfMotor{"motor", "mot", "armature", "anker", "motorspannung"};
+  constexpr std::array<std::string_view, 4> kOfMotor{"motor", "mot", "armature", "anker"};
+  constexpr std::array<std::string_view, 3> kVoltage{"voltage", "spannung",
+                                                     "volt"};  // "motor current monitor [V]" is none
   const std::vector<std::string> words = words_of_name(e.from.column->name);
-  if (!any_word(words, kDuty) && !(e.what == LogQuantity::kVoltage && any_word(words, kOfMotor))) return;
+  const bool of_motor =
+      e.what == LogQuantity::kVoltage && any_word(words, kOfMotor) && any_word(words, kVoltage);
+  if (!any_word(words, kDuty) && !of_motor) return;
   notes.push_back(fmt::format(
       "column {} is the voltage of the motor: the voltage that its turning induces is part of the viscous friction, and a shift of the force "
       "moves that part too, so that the mass may be wrong by several percent: log the current of the motor",

@@ -95,6 +95,15 @@ TEST(LogAxis, AnyWordMayBeTheNameOfAnAxis) {
     EXPECT_EQ(raw.x.y.size(), 3000U) << header;
     EXPECT_EQ(raw.r.y.size(), 3000U) << header;
   }
+  // Words of other things.
+  for (const char* header : {"t [s],x [mm],f [N],spindle speed [rpm],spindle current [A]",
+                             "t [s],x_act [mm],x_force [N],plc_pos [mm],plc_vel [mm/s]",
+                             "t [s],actual position [mm],force [N],laser pos [mm],laser vel [mm/s]"}) {
+    const ident::log::RawLog raw = axis_of(csv(header, {"t", "x_mm", "f", "f", "f"}));
+    EXPECT_EQ(raw.x.y.size(), 3000U) << header;
+    EXPECT_TRUE(raw.v.y.empty()) << header;
+    EXPECT_NEAR(raw.x.y[100], 0.05 * std::sin(0.2 * std::numbers::pi), 1e-6) << header;
+  }
   const std::string two =
       csv("t [s],el_pos [mm],az_pos [mm],el_force [N],az_force [N]", {"t", "x_mm", "f", "f", "x_mm"});
   EXPECT_THAT(refusal(two), HasSubstr("a log of several axes: el, az"));
@@ -124,7 +133,7 @@ TEST(LogAxis, TheVoltageOfAMotorIsNoForce) {
     EXPECT_THAT(workflow::logged_axis(log, {}).notes, Contains(HasSubstr("is the voltage of the motor")))
         << name;
   }
-  for (const char* name : {"u [V]", "Motor current [A]"}) {
+  for (const char* name : {"u [V]", "Motor current [A]", "motor current monitor [V]"}) {
     const io::Log log = log_of(csv(std::string("t [s],x [mm],") + name, {"t", "x_mm", "f"}));
     EXPECT_THAT(workflow::logged_axis(log, {}).notes, Not(Contains(HasSubstr("voltage of the motor"))))
         << name;

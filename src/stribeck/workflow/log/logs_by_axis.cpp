@@ -96,7 +96,7 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
   for (const std::string& axis : axes) {
     if (has_axis(log, options, axis)) named.push_back(axis);
   }
-  // Columns that an axis of any name could take carry none.
+  // Where an invented axis name finds columns too, the columns carry no name of an axis.
   const bool plain = has_axis(log, options, "any other");
   if (!named.empty() && !plain) return named;
   const std::vector<std::string> words = words_of_name(std::filesystem::path(path).stem().string());

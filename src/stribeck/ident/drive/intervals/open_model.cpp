@@ -50,7 +50,7 @@ Points points_of(const Found& found, const Result& result) {
   VectorXd mass = found.intervals.zero();
   mass(0) = 1.0;
   add(std::move(mass), found.terms.known_mass ? 0.0 : result.mass_interval.high - result.mass, -1, 0.0);
-  // The error with which load and friction are told apart is none of their sum.
+  // The error of the split into load and friction does not affect their sum.
   const double of_load = found.load ? found.intervals.factor * found.load->error : 0.0;
   const auto add_friction = [&](double whole, int side, double speed) {
     if (!std::isfinite(whole) || !(whole > 0.0)) return;

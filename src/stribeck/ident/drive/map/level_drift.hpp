@@ -5,8 +5,8 @@
 ///   e_i·sgn v = F(|v_i|)·(α_r + β_r·P1(τ_i) + γ_r·P2(τ_i)) + noise       τ from −1 at the beginning of log r to 1 at its end
 ///
 /// e is the residual of the map [N], F the map without load [N], P1 and P2 Legendre polynomials, α, β, γ shares of friction. α of the
-/// first log is 0. All columns are taken about the means of the bins of speed, so that the curve itself is free: what tells the
-/// drift is a speed that comes again at another time. A speed that was run early is then known to have been run cold. The
+/// first log is 0. All columns are taken about the means of the bins of speed, so that the curve itself is free. The drift
+/// shows where the same speed occurs at two times. A speed that was run early is then known to have been run cold. The
 /// shares have a prior of 0 ± 0.3, so that speeds in order, which show no drift, give none.
 ///
 /// Used where α or β of a log is more than twice its 95 % half width and more than 2 %; where no drift shows, force and intervals stay as they are.

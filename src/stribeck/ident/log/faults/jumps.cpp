@@ -87,7 +87,7 @@ std::string fault_at(const Table& m, std::size_t k, const JumpLimits& limits, co
   // Without a reference an axis that stops dead may have met something.
   const double slower = std::min(std::abs(x.before), std::abs(x.after));
   if (m.r.empty() && slower < 0.1 * std::max(std::abs(x.before), std::abs(x.after))) return {};
-  // Even before and even after: a jump in one of the windows is no speed.
+  // The motion must be even before and after: a jump inside a window looks like a change of speed.
   const double uneven = std::max(std::abs(m.x[k - 1] - 2.0 * m.x[k - 2] + m.x[k - 3]),
                                  std::abs(m.x[k + 2] - 2.0 * m.x[k + 1] + m.x[k]));
   if (uneven > 0.2 * std::abs(x.change())) return {};

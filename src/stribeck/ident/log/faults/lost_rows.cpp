@@ -191,7 +191,7 @@ std::size_t whole_steps(double jump, double step) {
   return n >= 1.0 && std::abs(ratio - n) < kWhole ? static_cast<std::size_t>(n) : 0;
 }
 
-/// Whether the reference goes as many of its own steps as the position; so does one that stands.
+/// Whether the reference jumps by as many of its usual steps. A reference at rest agrees.
 bool reference_agrees(const std::vector<double>& done, const std::vector<double>& raw, std::size_t next,
                       double x_step, std::size_t steps) {
   if (raw.empty()) return true;

@@ -76,30 +76,70 @@ Label with_word(const io::Column& c, bool at_end) {
   return {at_end ? before : after, word};
 }
 
-/// A word that says nothing by itself is the name of an axis where it stands beside two quantities, one of them of the motion: "RA_cmd",
-/// "RA_torque".
-bool names_an_axis(const io::Log& log, const std::string& word, bool at_end) {
+bool is_motion(LogQuantity what) { return what == LogQuantity::kPosition || what == LogQuantity::kVelocity; }
+
+/// Whether a column is a position or velocity without such a word: then the columns with words are of other things, as "spindle speed".
+bool says_motion_itself(const io::Log& log) {
+  return std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
+    if (c.values.empty()) return false;
+    const auto meaning = meaning_of(c.name, c.unit_text);
+    if (meaning && is_motion(meaning->what)) return true;
+    for (const LogQuantity what : {LogQuantity::kPosition, LogQuantity::kVelocity}) {
+      for (const Label& label : labels_of(c, {})) {
+        for (const auto& family : known_column(what).families) {
+          if (std::find(family.begin(), family.end(), label.base) != family.end()) return true;
+        }
+      }
+    }
+    return !lettered(c).axis.empty();
+  });
+}
+
+/// Whether a word has a meaning of its own, so that it is no name.
+bool is_known_word(const std::string& word) {
   constexpr std::array kUnits{"mm", "mm/s", "N", "N m", "A", "%", "V"};
-  const bool known = meaning_of(word + " pos", "mm") ||
-                     std::any_of(kUnits.begin(), kUnits.end(),
-                                 [&](const char* unit) { return meaning_of(word, unit).has_value(); });
-  if (known) return false;
-  std::vector<LogQuantity> found;
-  bool moves = false;
+  return meaning_of(word + " pos", "mm") || std::any_of(kUnits.begin(), kUnits.end(), [&](const char* unit) {
+           return meaning_of(word, unit).has_value();
+         });
+}
+
+/// The words that stand beside quantities of an axis, in a log where one of them has two, a position or velocity among them: "RA_cmd",
+/// "RA_torque". Then the words of all positions are names of axes.
+std::vector<std::string> axes_by_word(const io::Log& log, bool at_end) {
+  struct Named {
+    std::string word;
+    std::vector<LogQuantity> found;
+  };
+  std::vector<Named> all;
   for (const io::Column& c : log.columns) {
     const Label label = with_word(c, at_end);
-    if (c.values.empty() || label.axis != word) continue;
+    if (c.values.empty() || label.axis.empty() || is_known_word(label.axis)) continue;
     const auto meaning = meaning_of(label.base, c.unit_text);
-    if (!meaning || std::find(found.begin(), found.end(), meaning->what) != found.end()) continue;
-    found.push_back(meaning->what);
-    moves = moves || meaning->what == LogQuantity::kPosition || meaning->what == LogQuantity::kVelocity;
+    if (!meaning) continue;
+    auto named = std::find_if(all.begin(), all.end(), [&](const Named& n) { return n.word == label.axis; });
+    if (named == all.end()) named = all.insert(all.end(), Named{label.axis, {}});
+    if (std::find(named->found.begin(), named->found.end(), meaning->what) == named->found.end())
+      named->found.push_back(meaning->what);
   }
-  return moves && found.size() > 1;
+  const auto moves = [](const Named& n) { return std::any_of(n.found.begin(), n.found.end(), is_motion); };
+  std::vector<std::string> words;
+  if (std::none_of(all.begin(), all.end(), [&](const Named& n) { return moves(n) && n.found.size() > 1; }))
+    return words;
+  for (const Named& n : all) {
+    if (moves(n)) words.push_back(n.word);
+  }
+  return words;
 }
 
 }  // namespace
 
-std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std::string& axis) {
+AxisWords axis_words(const io::Log& log) {
+  if (says_motion_itself(log)) return {};
+  return {axes_by_word(log, false), axes_by_word(log, true)};
+}
+
+std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std::string& axis,
+                             const AxisWords& words) {
   const Label own = lettered(c);
   const std::string wanted = lower_case(axis);
   const auto another = [&](const io::Column& other) {
@@ -118,7 +158,8 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   std::vector<Label> labels = labels_of(c, axis);
   for (const bool at_end : {false, true}) {
     const Label named = with_word(c, at_end);
-    if (named.axis.empty() || !names_an_axis(log, named.axis, at_end)) continue;
+    const std::vector<std::string>& known = at_end ? words.behind : words.in_front;
+    if (named.axis.empty() || std::find(known.begin(), known.end(), named.axis) == known.end()) continue;
     labels.push_back({"x_" + named.base, named.axis});
     labels.push_back(named);
     break;

@@ -14,8 +14,18 @@ struct Label {
   std::string axis;
 };
 
+/// Words that are names of axes because they stand before or behind several quantities: "el" of "el_pos" and "el_torque".
+struct AxisWords {
+  std::vector<std::string> in_front;
+  std::vector<std::string> behind;
+};
+
+/// None where a column is a position or velocity without such a word: words of the others are of other things ("spindle speed").
+AxisWords axis_words(const io::Log& log);
+
 /// All that a column of this log may be called when `axis` is wanted, "" for no axis. "x_act" is a position whatever the axis is
 /// called, but beside "y_act", or where that axis is wanted, it is the position of X.
-std::vector<Label> labels_in(const io::Log& log, const io::Column& column, const std::string& axis);
+std::vector<Label> labels_in(const io::Log& log, const io::Column& column, const std::string& axis,
+                             const AxisWords& words);
 
 }  // namespace stribeck::workflow
