@@ -164,21 +164,24 @@ void separate(LostMotion& out, const std::vector<Stretch>& stretches, const Slid
   keep_determined(out, *even, step);
 }
 
-/// Where the reversals tell less than strokes of constant speed do, as those of an axis that brakes hard, the strokes tell the sum of
-/// backlash and wind-up.
+/// Whether the reversals leave it open how much is lost. Then strokes of constant speed may tell the sum of backlash and wind-up: `coasts`,
+/// no usable reversals, or an axis that brakes so hard that the table pushes the motor through the play before it reverses.
+bool is_open(const std::optional<Estimate>& total, bool coasts) {
+  return !total || coasts || !(total->low() > 0.0);
+}
+
 bool take_sliding(LostMotion& out, std::optional<WhileSliding> sliding, bool coasts, double step) {
   constexpr double kBetter = 0.5;
   if (!sliding) return false;
   Estimate& total = sliding->total;
   total.half_width = std::hypot(total.half_width, kOfStep * step);
-  const bool worse = !out.total || coasts ||
-                     (!(out.total->low() > 0.0) && total.half_width < kBetter * out.total->half_width);
-  if (!worse || !(total.low() > 0.0)) return false;
+  const bool better = !out.total || coasts || total.half_width < kBetter * out.total->half_width;
+  if (!better || !(total.low() > 0.0)) return false;
   out.total = total;
   out.scale_error = sliding->scale_error;
   out.words.emplace_back(
-      "backlash and wind-up cannot be distinguished: the axis brakes hard before its reversals, so that the sum is that of strokes at "
-      "constant speed (record slow reversals in closed loop: excite --method sine)");
+      "backlash and wind-up cannot be distinguished: the reversals of this log do not show the lost motion, so their sum is measured on "
+      "strokes of constant speed (to distinguish them, record slow reversals in closed loop: excite --method sine)");
   return true;
 }
 
@@ -214,7 +217,8 @@ LostMotion identify(const std::vector<Positions>& runs) {
   out.reversals = static_cast<int>(stretches.size());
   out.total = total_of(stretches, sliding, step);
   const bool coasts = out.total && force && sliding.friction > 0.0 && !pulled(stretches, sliding);
-  if (take_sliding(out, total_while_sliding(runs, sliding), coasts, step)) return out;
+  if (is_open(out.total, coasts) && take_sliding(out, total_while_sliding(runs, sliding), coasts, step))
+    return out;
   if (!out.total) {
     out.words.push_back(fmt::format(
         "lost motion is not determined: {} usable reversals, expected two or more at either end, slow ones with strokes of some "

@@ -156,6 +156,11 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
     auto meaning = meaning_of(without_unit(c), c.unit_text);
+    // "Hub_ist" beside "Hub_Kraft": the word is the axis, and "ist" is told by its unit.
+    if (const std::optional<Label> named = apart(c, words); !meaning && named) {
+      meaning = meaning_of(named->base, c.unit_text);
+      if (meaning) meaning->axis = named->axis, meaning->by_unit = false;
+    }
     if (!meaning || meaning->what != k.what) continue;
     (meaning->by_unit ? by_unit : out).push_back({&c, std::move(meaning->axis), 0, meaning->rank});
   }

@@ -90,7 +90,8 @@ TEST(LogAxis, APositionMayBeACommandLessItsFollowingError) {
 TEST(LogAxis, AnyWordMayBeTheNameOfAnAxis) {
   for (const char* header : {"t [s],L1_cmd [mm],L1_act [mm],L1_force [N]",
                              "t [s],Strut3 cmd [mm],Strut3 pos [mm],Strut3 force [N]",
-                             "t [s],gantry_ref [mm],gantry_enc [mm],gantry_force [N]"}) {
+                             "t [s],gantry_ref [mm],gantry_enc [mm],gantry_force [N]",
+                             "t [s],Stössel_soll [mm],Stössel_ist [mm],Stössel_Kraft [N]"}) {
     const ident::log::RawLog raw = axis_of(csv(header, {"t", "x_mm", "x_mm", "f"}));
     EXPECT_EQ(raw.x.y.size(), 3000U) << header;
     EXPECT_EQ(raw.r.y.size(), 3000U) << header;

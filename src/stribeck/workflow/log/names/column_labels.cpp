@@ -62,16 +62,18 @@ Label lettered(const io::Column& c) {
 
 /// "l1_act", "strut3 pos", or "act_l1" at its end: the word at one end and the rest; an empty axis where no word could be a name.
 Label with_word(const io::Column& c, bool at_end) {
-  constexpr std::size_t kLongest = 8;
+  constexpr std::size_t kLongest = 12;  // bytes
   constexpr std::string_view kApart = "_ .-";
   const std::string name = lower_case(c.name);
   const auto cut = at_end ? name.find_last_of(kApart) : name.find_first_of(kApart);
   if (cut == std::string::npos || cut == 0 || cut + 1 == name.size()) return {};
   const std::string before = name.substr(0, cut), after = name.substr(cut + 1);
   const std::string& word = at_end ? after : before;
-  const bool plain =
-      word.size() <= kLongest && std::isalpha(static_cast<unsigned char>(word[0])) != 0 &&
-      std::all_of(word.begin(), word.end(), [](unsigned char d) { return std::isalnum(d) != 0; });
+  // Beyond ASCII every byte is a letter: "stössel".
+  const auto letter = [](unsigned char d) { return d >= 0x80 || std::isalpha(d) != 0; };
+  const bool plain = word.size() <= kLongest && letter(static_cast<unsigned char>(word[0])) &&
+                     std::all_of(word.begin(), word.end(),
+                                 [&](unsigned char d) { return letter(d) || std::isdigit(d) != 0; });
   if (!plain) return {};
   return {at_end ? before : after, word};
 }
@@ -138,6 +140,15 @@ AxisWords axis_words(const io::Log& log) {
   return {axes_by_word(log, false), axes_by_word(log, true)};
 }
 
+std::optional<Label> apart(const io::Column& c, const AxisWords& words) {
+  for (const bool at_end : {false, true}) {
+    const Label named = with_word(c, at_end);
+    const std::vector<std::string>& known = at_end ? words.behind : words.in_front;
+    if (!named.axis.empty() && std::find(known.begin(), known.end(), named.axis) != known.end()) return named;
+  }
+  return std::nullopt;
+}
+
 std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std::string& axis,
                              const AxisWords& words) {
   const Label own = lettered(c);
@@ -156,13 +167,9 @@ std::vector<Label> labels_in(const io::Log& log, const io::Column& c, const std:
   if (!own.axis.empty() && std::any_of(log.columns.begin(), log.columns.end(), another))
     return {{"x_" + own.base, own.axis}, {own.base, own.axis}};
   std::vector<Label> labels = labels_of(c, axis);
-  for (const bool at_end : {false, true}) {
-    const Label named = with_word(c, at_end);
-    const std::vector<std::string>& known = at_end ? words.behind : words.in_front;
-    if (named.axis.empty() || std::find(known.begin(), known.end(), named.axis) == known.end()) continue;
-    labels.push_back({"x_" + named.base, named.axis});
-    labels.push_back(named);
-    break;
+  if (const std::optional<Label> named = apart(c, words)) {
+    labels.push_back({"x_" + named->base, named->axis});
+    labels.push_back(*named);
   }
   return labels;
 }

@@ -2,6 +2,7 @@
 /// Splits the name of a column into signal and axis: "z_pos", "ENC_POS|2", "s ist/Y", "q1". Internal to workflow/log.
 /// Real time: no. Errors: none.
 
+#include <optional>
 #include <stribeck/io/log/log.hpp>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct AxisWords {
 
 /// None where a column is a position or velocity without such a word: words of the others are of other things ("spindle speed").
 AxisWords axis_words(const io::Log& log);
+
+/// The name of a column without such a word, and the word as its axis; absent where none stands in it.
+std::optional<Label> apart(const io::Column& column, const AxisWords& words);
 
 /// All that a column of this log may be called when `axis` is wanted, "" for no axis. "x_act" is a position whatever the axis is
 /// called, but beside "y_act", or where that axis is wanted, it is the position of X.
