@@ -106,7 +106,7 @@ class HeadReader {
       head_.separator = separator_of(header, first_row(rest));
       head_.header = trimmed(header);
       const auto above = last_line(all_.substr(0, static_cast<std::size_t>(header.data() - all_.data())));
-      set_columns(names_of_columns(header, above, head_.separator, body, head_.log.notes), line);
+      set_columns(with_legend(names_of_columns(header, above, head_.separator, body, head_.log.notes)), line);
     }
     take_units(body);
     head_.decimal = decimal_mark(body, head_.separator);
@@ -128,9 +128,41 @@ class HeadReader {
     }
   }
 
+  /// LabVIEW writes the units of the signals behind Y_Unit_Label, without that of the time.
+  void take_labview_units() {
+    const auto label = std::find_if(head_.log.metadata.begin(), head_.log.metadata.end(),
+                                    [](const auto& m) { return m.first == "Y_Unit_Label"; });
+    if (label == head_.log.metadata.end()) return;
+    const auto units = split_exactly(label->second, '\t');
+    for (std::size_t c = 1; c < head_.log.columns.size() && c <= units.size(); ++c) {
+      Column& column = head_.log.columns[c];
+      if (!column.unit_text.empty()) continue;
+      column.unit_text = plain_unit(std::string(trimmed(units[c - 1])), column.header, head_.log.notes);
+    }
+  }
+
+  /// "CH1: Feedback position [PUU]" above the table says what column CH1 is.
+  [[nodiscard]] std::vector<std::string> with_legend(std::vector<std::string> headers) {
+    std::size_t told = 0;
+    for (std::string& header : headers) {
+      const std::string name = unquoted(trimmed(header));
+      const auto found = std::find_if(head_.log.metadata.begin(), head_.log.metadata.end(),
+                                      [&](const auto& m) { return m.first == name; });
+      if (found == head_.log.metadata.end() || is_time_name(name) || found->second.empty() ||
+          looks_like_number(found->second))
+        continue;
+      header = found->second;
+      ++told;
+    }
+    if (told > 0)
+      note("the names of " + std::to_string(told) + " columns are those that the head gives them");
+    return headers;
+  }
+
   /// Units in the row below the names.
   void take_units(std::string_view& body) {
     leave_out_types(body);
+    take_labview_units();
     const std::string_view row = first_row(body);
     const std::vector<std::string> units =
         units_in_row(row, head_.separator, head_.log.columns.size(), head_.log.notes);

@@ -224,6 +224,27 @@ TEST(Spreadsheet, AMeasurementFileOfLabViewHasAHeadOfTwoParts) {
   EXPECT_THAT(log.columns.at(0).values, ElementsAre(0.0, 0.001, 0.002));
 }
 
+TEST(Spreadsheet, LabViewTellsTheUnitsInItsHead) {
+  const Log log = parse(
+      "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\nChannels\t2\nY_Unit_Label\tmm\tN\n***End_of_Header***\t\t\n"
+      "X_Value\tWeg\tKraft\n0.000\t1.5\t2\n0.001\t1.6\t3\n0.002\t1.7\t4\n");
+  EXPECT_EQ(log.at("Weg").unit_text, "mm");
+  EXPECT_EQ(log.at("Kraft").unit_text, "N");
+}
+
+TEST(Spreadsheet, ALegendAboveTheTableNamesItsColumns) {
+  const Log log = parse(
+      "Scope\nSampling Time: 1 ms\nCH1: Feedback position [mm]\nCH2: Torque feedback [%]\nTime(ms)\tCH1\tCH2\n0.0\t1\t2\n1.0\t2\t3\n2.0\t3\t4\n");
+  EXPECT_EQ(log.at("Feedback position").unit_text, "mm");
+  EXPECT_EQ(log.at("Torque feedback").unit_text, "%");
+}
+
+TEST(Spreadsheet, ATimeBesideEachSignalMakesNoGroups) {
+  const Log log = parse(
+      "Trace;Trace1\nResolution;us\n\nTime [us];PRG.fActPosition;Time [us];PRG.fActTorque\n0;1.5;0;2\n1000;1.6;1000;3\n2000;1.7;2000;4\n");
+  EXPECT_EQ(log.columns.at(1).header, "PRG.fActPosition");
+}
+
 TEST(Spreadsheet, NamesOnlyOfTwinCatHaveATimeBesideEachSignal) {
   const Log log = parse("Name;ActPos [mm];Name;ActTorque [%]\n0,0;1,5;0,0;2\n1,0;1,6;1,0;3\n2,0;1,7;2,0;4\n");
   EXPECT_EQ(log.columns.at(0).unit_text, "ms");

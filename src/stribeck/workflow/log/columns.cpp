@@ -441,7 +441,9 @@ std::vector<double> positions(const io::Log& log, const NamedColumn& named) {
   return converted(*named.column, io::conversion(named.unit, q.unit), 1.0);
 }
 
-bool is_count(const std::string& unit) { return unit == "count" || unit == "counts"; }
+bool is_count(const std::string& unit) {
+  return unit == "count" || unit == "counts" || unit.starts_with("count/");
+}
 
 bool is_per_minute(const std::string& unit) {
   const auto hertz = conversion_between(unit, "Hz");
@@ -463,8 +465,9 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
     if (!all.empty())
       p.message += "; or give all that is missing, with your units: " + all;
     else if (unit.empty())
-      p.message += fmt::format("; or give it with --map {}=\"{} {}\"", enum_name(what), column.name,
-                               q.shown.empty() ? q.unit : q.shown);
+      p.message +=
+          "; or give it with " +
+          map_option(enum_name(what), fmt::format("{} {}", column.name, q.shown.empty() ? q.unit : q.shown));
     throw io::InputError(p);
   }
 }

@@ -158,10 +158,9 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
     }
     if (factor == 0.0) refuse_option("--gain", "got 0, expected the force per unit of the column");
     scale(e, factor, t.torque, motion.per_radian);
-    if (e.unit != "N" && !motion.angle) {
+    if (e.unit != "N" && !motion.angle)
       refuse_option("--gain", fmt::format("got {}, a torque; give the travel per turn too (--lead \"5 mm\")",
                                           io::in_quotes(gain)));
-    }
     return true;
   }
   return false;
@@ -202,8 +201,11 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
         return "N/V, N/A";
     }
   };
-  refuse_option("--gain", fmt::format("got {}, expected a number with a unit like {} for the {} of this log",
-                                      io::in_quotes(gain), unit_like(first.what), kinds));
+  refuse_option(
+      "--gain",
+      fmt::format("got {}, expected a number{} with a unit like {} for the {} of this log",
+                  io::in_quotes(gain), gain.find(',') == std::string::npos ? "" : " with a decimal point",
+                  unit_like(first.what), kinds));
 }
 
 Effort with_gain(Candidates found, const std::string& gain, const MotionColumns& motion) {

@@ -373,6 +373,12 @@ TEST(LogAxis, IncrementsOfTheEncoder) {
   EXPECT_NEAR(axis_of(text, {.maps = {"x=x [Inkr] 0.5 mm"}}).x.y[kRow], 0.5 * x_at(), 1e-8);
   EXPECT_THAT(refusal(csv("t [s],x [mm],torque [counts]", {"t", "x_mm", "f"})),
               AllOf(HasSubstr("is in counts"), HasSubstr("--map percent=\"torque 0.1 %\"")));
+  // A velocity in increments beside it is left out, or mapped.
+  const std::string rate = csv("t [s],x [cnt],v [cnt/sec],f [N]", {"t", "x_mm", "v_mm_min", "f"});
+  EXPECT_THAT(workflow::logged_axis(log_of(rate), {.maps = {"x=x 1 mm"}}).notes,
+              Contains(HasSubstr("is in counts and is not used")));
+  EXPECT_THAT(workflow::logged_axis(log_of(rate), {.maps = {"x=x 1 mm", "v=v 1 mm/min"}}).columns,
+              Contains(testing::Pair("v", "v [cnt/sec] [1 mm/min]")));
   const io::Log named = io::parse_log(text, "log.csv", {.names = {"t s", "r 0.5 mm", "x 0.5 mm", "f N"}});
   const workflow::LoggedAxis side = workflow::logged_axis(named, {});
   EXPECT_NEAR(side.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);
@@ -542,6 +548,11 @@ TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
   const std::string ros =
       refusal("stamp.sec,stamp.nanosec,pos,force\n1,0,1,5\n1,2000000,2,6\n1,4000000,3,7\n");
   EXPECT_THAT(ros, HasSubstr("--map x=\"pos mm\" --map force=\"force N\""));
+  // ROS counts in SI units; a name with quotes stands between the other ones.
+  EXPECT_THAT(refusal("%time,field.position0,field.effort0\n0,1,5\n1000000,2,6\n2000000,3,7\n"),
+              HasSubstr("--map x=\"field.position0 m\" --map force=\"field.effort0 N\""));
+  EXPECT_THAT(refusal("Timestamp;\"Axis_1\".ActualPosition;\"Axis_1\".Torque\n0;1;5\n1;2;6\n2;3;7\n"),
+              HasSubstr("--map x='\"Axis_1\".ActualPosition mm'"));
   EXPECT_THAT(ros, testing::Not(HasSubstr("--map t=")));
 }
 

@@ -19,9 +19,20 @@ namespace {
 /// Increments of an encoder, as headers call them.
 bool is_count_word(std::string_view unit) {
   // "Counts16Bit"
-  return lower_case(std::string(unit)).starts_with("count") ||
+  const std::string word = lower_case(std::string(unit));
+  return (word.starts_with("count") && word.find('/') == std::string::npos) ||
          std::any_of(kSpellings.begin(), kSpellings.end(),
                      [&](const auto& s) { return s.first == unit && s.second == "count"; });
+}
+
+/// "cnt/sec": increments by a time.
+bool is_count_rate(std::string_view unit) {
+  constexpr std::array<std::string_view, 6> kTimes{"s", "sec", "second", "ms", "msec", "min"};
+  const auto slash = unit.find('/');
+  if (slash == std::string_view::npos) return false;
+  const std::string time = lower_case(std::string(trimmed(unit.substr(slash + 1))));
+  return is_count_word(trimmed(unit.substr(0, slash))) &&
+         std::find(kTimes.begin(), kTimes.end(), time) != kTimes.end();
 }
 
 /// The plain unit of a spelling of controls; "" for others.
@@ -79,7 +90,8 @@ Column column_of(std::string header, Notes& notes) {
     const auto before = std::string(trimmed(std::string_view(header).substr(0, at)));
     // "x (1)" is a second copy of x, not a unit.
     const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
-    const bool counts = is_count_word(inside);
+    const bool rate = is_count_rate(inside);
+    const bool counts = rate || is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
     // "x (second)" is a name, "Current (Arms)" has a unit.
     const bool named = open == '(' && (inside == "second" || inside == "-" || inside == "M" || inside == "S");
@@ -92,7 +104,11 @@ Column column_of(std::string header, Notes& notes) {
                       is_unit(inside);
     if (dimensionless || unit || counts || scaled || !spelled.empty()) {
       c.name = before.empty() ? header : before;
-      c.unit_text = dimensionless ? "1" : counts ? "count" : spelled.empty() ? inside : std::string(spelled);
+      c.unit_text = dimensionless     ? "1"
+                    : rate            ? "count/s"
+                    : counts          ? "count"
+                    : spelled.empty() ? inside
+                                      : std::string(spelled);
     } else if (user || (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos)) {
       // A number in brackets is an index, r0482[0].
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
@@ -281,9 +297,11 @@ std::vector<std::string> under_groups(const Cells& groups, const Cells& names, N
   return all;
 }
 
+/// A time may stand beside each signal.
 bool has_twice(const Cells& names) {
   return std::any_of(names.begin(), names.end(), [&](std::string_view name) {
-    return !is_blank_cell(name) && std::count(names.begin(), names.end(), name) > 1;
+    return !is_blank_cell(name) && !is_time_name(unquoted(trimmed(name))) &&
+           std::count(names.begin(), names.end(), name) > 1;
   });
 }
 

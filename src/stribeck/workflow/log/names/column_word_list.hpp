@@ -32,6 +32,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"posf", Word::kPosition},
                             Entry{"pos", Word::kPosition},
                             Entry{"lage", Word::kPosition},
+                            Entry{"weg", Word::kPosition},
                             Entry{"angle", Word::kAngle},
                             Entry{"winkel", Word::kAngle},
                             Entry{"velocity", Word::kVelocity},
@@ -64,6 +65,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"spannung", Word::kVoltage},
                             Entry{"actual", Word::kActual},
                             Entry{"act", Word::kActual},
+                            Entry{"active", Word::kActual},
                             Entry{"aktuelle", Word::kActual},
                             Entry{"akt", Word::kActual},
                             Entry{"estimate", Word::kActual},
@@ -74,6 +76,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"feedback", Word::kActual},
                             Entry{"fbk", Word::kActual},
                             Entry{"fb", Word::kActual},
+                            Entry{"present", Word::kActual},
                             Entry{"encoder", Word::kActual},
                             Entry{"enc", Word::kActual},
                             Entry{"geber", Word::kActual},
@@ -91,6 +94,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"desired", Word::kCommanded},
                             Entry{"des", Word::kCommanded},
                             Entry{"nominal", Word::kCommanded},
+                            Entry{"goal", Word::kCommanded},
                             Entry{"motor", Word::kNothing},
                             Entry{"mtr", Word::kNothing},
                             Entry{"drive", Word::kNothing},
@@ -101,7 +105,23 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"achse", Word::kNothing},
                             Entry{"value", Word::kNothing},
                             Entry{"wert", Word::kNothing},
+                            Entry{"pctrl", Word::kNothing},
+                            Entry{"sctrl", Word::kNothing},
+                            Entry{"ictrl", Word::kNothing},
                             Entry{"signal", Word::kNothing}};
+
+/// Variables of controls (ACS, Trio), in one word: what, and whether it is actual or commanded.
+struct Variable {
+  std::string_view name;
+  Word what;
+  Word role;
+};
+
+constexpr std::array kVariables{
+    Variable{"fpos", Word::kPosition, Word::kActual},    Variable{"mpos", Word::kPosition, Word::kActual},
+    Variable{"rpos", Word::kPosition, Word::kCommanded}, Variable{"dpos", Word::kPosition, Word::kCommanded},
+    Variable{"fvel", Word::kVelocity, Word::kActual},    Variable{"mspeed", Word::kVelocity, Word::kActual},
+    Variable{"rvel", Word::kVelocity, Word::kCommanded}};
 
 /// Romance, Germanic and Slavonic languages, Turkish, Japanese, Chinese, Korean. Small letters.
 constexpr std::array kForeignWords{Entry{"posizione", Word::kPosition},

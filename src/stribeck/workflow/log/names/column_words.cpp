@@ -18,6 +18,7 @@ namespace {
 
 using words::Entry;
 using words::kForeignWords;
+using words::kVariables;
 using words::kWords;
 using words::Word;
 
@@ -281,6 +282,15 @@ void drop_short_name(std::string& name) {
   while (name.ends_with(' ')) name.pop_back();
 }
 
+/// "gAxis01, ParID 111: PCTRL_S_ACT" (ACOPOS): what stands before the number of the parameter is the axis.
+void take_acopos_axis(std::string& axis, std::string& name) {
+  const auto number = name.find(", parid ");
+  const auto colon = name.find(": ", number == std::string::npos ? name.size() : number);
+  if (colon == std::string::npos) return;
+  axis = name.substr(0, number);
+  name.erase(0, colon + 2);
+}
+
 /// "Axis.Act.Pos": what tells actual from commanded belongs to the signal, not to the axis.
 void take_role(std::string& axis, std::string& name) {
   const auto dot = axis.rfind('.');
@@ -320,6 +330,12 @@ void drop_part_of_drive(std::string& axis, std::string& name) {
 std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts, const std::string& unit) {
   std::vector<Word> words;
   for (const std::string& part : parts) {
+    const auto variable = std::find_if(kVariables.begin(), kVariables.end(),
+                                       [&](const words::Variable& v) { return v.name == part; });
+    if (variable != kVariables.end()) {
+      words.insert(words.end(), {variable->what, variable->role});
+      continue;
+    }
     if (read_words(part, words)) continue;
     const auto letter =
         std::find_if(kLetters.begin(), kLetters.end(), [&](const auto& l) { return l.first == part[0]; });
@@ -420,6 +436,7 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
   if (auto found = sercos(name)) return found;
   drop_short_name(name);
   std::string axis;
+  take_acopos_axis(axis, name);
   // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
   // A topic of ROS, "/joint_states/joint_z/position", is divided by slashes.
   const char divider = name.starts_with('/') ? '/' : '.';

@@ -37,6 +37,10 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"J1 pos cmd", LogQuantity::kReference, "j1"},
       {"Quota comandata", LogQuantity::kReference, ""},
       {"Quota reale", LogQuantity::kPosition, ""},
+      {"Istweg", LogQuantity::kPosition, ""},
+      {"Sollweg", LogQuantity::kReference, ""},
+      {"Goal Position", LogQuantity::kReference, ""},
+      {"Present Position", LogQuantity::kPosition, ""},
       {"TrqZ", LogQuantity::kTorque, "z"},
       {"r0482[0]", LogQuantity::kPosition, ""},
       {"Lagesollwert", LogQuantity::kReference, ""},
@@ -90,7 +94,24 @@ TEST(ColumnWords, NamesOfDriveTools) {
   }
 }
 
-// "Z act" is what its unit says.
+TEST(ColumnWords, VariablesOfControls) {
+  const std::vector<std::tuple<std::string, LogQuantity, std::string>> all{
+      {"FPOS(0)", LogQuantity::kPosition, "0"},
+      {"RPOS(0)", LogQuantity::kReference, "0"},
+      {"FVEL(0)", LogQuantity::kVelocity, "0"},
+      {"MPOS AXIS(0)", LogQuantity::kPosition, "0"},
+      {"DPOS AXIS(0)", LogQuantity::kReference, "0"},
+      {"gAxis01, ParID 111: PCTRL_S_ACT", LogQuantity::kPosition, "gaxis01"},
+      {"gAxis01, ParID 113: PCTRL_S_SET", LogQuantity::kReference, "gaxis01"},
+      {"gAxis01, ParID 277: TORQUE_ACT", LogQuantity::kTorque, "gaxis01"}};
+  for (const auto& [name, quantity, axis] : all) {
+    const auto found = meaning_of(name, "");
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->what, quantity) << name;
+    EXPECT_EQ(found->axis, axis) << name;
+  }
+}
+
 TEST(ColumnWords, NamesInOtherLanguages) {
   const std::vector<std::tuple<std::string, LogQuantity, std::string>> all{
       {"位置フィードバック", LogQuantity::kPosition, ""},
@@ -132,6 +153,7 @@ TEST(ColumnWords, NamesInOtherLanguages) {
   EXPECT_FALSE(meaning_of("位置偏差", "mm"));
 }
 
+// "Z act" is what its unit says.
 TEST(ColumnWords, UnitTellsTheQuantityOfActualAndCommanded) {
   const std::vector<std::tuple<std::string, std::string, LogQuantity, std::string>> all{
       {"Z act", "mm", LogQuantity::kPosition, "z"},

@@ -32,7 +32,7 @@ std::string unit_of_time(const std::vector<double>& t) {
 bool of_ros(const io::Log& log) {
   return std::any_of(log.columns.begin(), log.columns.end(), [](const io::Column& c) {
     const std::string name = lower_case(c.name);
-    return name.find("joint_state") != std::string::npos || name.starts_with("effort");
+    return name.find("joint_state") != std::string::npos || name.find("effort") != std::string::npos;
   });
 }
 
@@ -77,6 +77,12 @@ std::string axis_in_name(const io::Column& column) {
   return found ? found->axis : "";
 }
 
+std::string map_option(std::string_view what, const std::string& column) {
+  // A name with quotes goes into the other ones.
+  const char quote = column.find('"') == std::string::npos ? '"' : '\'';
+  return fmt::format("--map {}={}{}{}", what, quote, column, quote);
+}
+
 std::string proposed_maps(const io::Log& log, const std::string& axis) {
   const int time = io::time_column(log);
   if (time < 0) return "";
@@ -102,7 +108,7 @@ std::string proposed_maps(const io::Log& log, const std::string& axis) {
       (!best.contains(LogQuantity::kPosition) && !best.contains(LogQuantity::kVelocity)))
     return "";
   const auto option = [](std::string_view what, const io::Column& c, const std::string& usual) {
-    return fmt::format("--map {}=\"{} {}\"", what, c.name, c.unit_text.empty() ? usual : c.unit_text);
+    return map_option(what, c.name + " " + (c.unit_text.empty() ? usual : c.unit_text));
   };
   // A time with a unit is found by itself; one that was made of two columns has no name in the file.
   const bool ros = of_ros(log);

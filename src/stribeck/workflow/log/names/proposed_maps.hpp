@@ -5,8 +5,12 @@
 
 #include <stribeck/io/log/log.hpp>
 #include <string>
+#include <string_view>
 
 namespace stribeck::workflow {
+
+/// `--map x="y_act mm"`, in the quotes that a shell leaves as they are.
+std::string map_option(std::string_view what, const std::string& column);
 
 /// `--map t="time s" --map x="y_act mm" --map force="y_force N"`: what the names suggest, with the unit of the file or else a usual one;
 /// "" where time, position and force of the axis cannot be guessed. `axis`: "" where the log has one.
