@@ -247,33 +247,21 @@ void doubt_all(const std::string& what, ident::Result& r) {
   r.cannot_tell.push_back(what + ": record the motion without it; no number of this result holds");
 }
 
-/// `found`: by the method on these logs. `rounds`: how often rows with a force in one direction may be left out.
-Identification diagnosed(const AxisRecords& logged, Identification found, const Identify& method,
-                         int rounds = 2) {
-  if (!has_residual(found)) return found;
-  std::optional<AxisRecords> before_filter;
-  if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
-  const AxisRecords& axis = before_filter ? *before_filter : logged;
-  ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result, rounds > 0);
-  if (d.one_sided) {
-    const std::string what = in_words(
-        *d.one_sided, ident::Shown(found.result.position_unit, found.result.force_unit, logged.rotary));
-    if (d.one_sided->enough_left && may_run_again(found.result.method)) {
-      AxisRecords clean = logged;
-      for (ident::log::Record& r : clean.records) leave_out(*d.one_sided, r);
-      Identification again = diagnosed(clean, method(clean, Depth::kWhole), method, rounds - 1);
-      again.result.warnings.push_back(what + "; these rows are left out");
-      return again;
-    }
-    doubt_all(what, found.result);
-    found.quality = std::move(d.quality);
-    found.result.warnings.insert(found.result.warnings.end(), d.warnings.begin(), d.warnings.end());
-    return found;
-  }
-  std::optional<Cleaned> last;
+/// Forces that the logs hold beside friction and mass, taken off them one after the other.
+struct TakenOff {
   ident::residual::Diagnosis taken;
-  double rms = kNaN;  // that the logs leave with the forces that were taken off
-  for (int pass = 0; pass < kPasses && may_run_again(found.result.method); ++pass) {
+  ident::residual::Diagnosis left;  ///< in the logs without them
+  std::optional<Cleaned> last;      ///< absent where nothing was tried
+  double rms = kNaN;                ///< that the logs leave
+};
+
+/// `d`: what the logs hold. `rigid`: no elastic drive among it.
+TakenOff taken_off(const AxisRecords& axis, ident::residual::Diagnosis d, Method by, const Identify& method,
+                   bool rigid) {
+  TakenOff out;
+  auto& [taken, left_now, last, rms] = out;
+  for (int pass = 0; pass < kPasses && may_run_again(by); ++pass) {
+    if (rigid) d.elastic.reset();
     ident::residual::Diagnosis next = d, more = taken;
     if (!prepare(next, more)) break;
     // Both sides of the comparison are identified in the same way.
@@ -297,15 +285,51 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
   }
   if (taken.elastic && (taken.spring || taken.unbalance)) {
     // A force of the place that was still in the log may have looked like a drive that gives way.
-    ident::residual::Diagnosis rigid = taken;
-    rigid.elastic.reset();
-    Cleaned now = clean(axis, rigid, last->found.result, method);
+    ident::residual::Diagnosis without_elastic = taken;
+    without_elastic.elastic.reset();
+    Cleaned now = clean(axis, without_elastic, last->found.result, method);
     if (kMuchBetter * ident::residual::diagnose(now.axis.records, now.found.result, false).quality.rms <
         rms) {
-      taken = std::move(rigid);
+      taken = std::move(without_elastic);
       last = std::move(now);
     }
   }
+  left_now = std::move(d);
+  return out;
+}
+
+/// `found`: by the method on these logs. `rounds`: how often rows with a force in one direction may be left out.
+Identification diagnosed(const AxisRecords& logged, Identification found, const Identify& method,
+                         int rounds = 2) {
+  if (!has_residual(found)) return found;
+  std::optional<AxisRecords> before_filter;
+  if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
+  const AxisRecords& axis = before_filter ? *before_filter : logged;
+  ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result, rounds > 0);
+  if (d.one_sided) {
+    const std::string what = in_words(
+        *d.one_sided, ident::Shown(found.result.position_unit, found.result.force_unit, logged.rotary));
+    if (d.one_sided->enough_left && may_run_again(found.result.method)) {
+      AxisRecords clean = logged;
+      for (ident::log::Record& r : clean.records) leave_out(*d.one_sided, r);
+      Identification again = diagnosed(clean, method(clean, Depth::kWhole), method, rounds - 1);
+      again.result.warnings.push_back(what + "; these rows are left out");
+      return again;
+    }
+    doubt_all(what, found.result);
+    found.quality = std::move(d.quality);
+    found.result.warnings.insert(found.result.warnings.end(), d.warnings.begin(), d.warnings.end());
+    return found;
+  }
+  TakenOff off = taken_off(axis, d, found.result.method, method, false);
+  // An elastic drive that is slow follows the position of the motor as a spring does: where the spring alone explains as much, it is one.
+  if (off.taken.elastic && (d.spring || d.unbalance)) {
+    TakenOff rigid = taken_off(axis, d, found.result.method, method, true);
+    if (kMuchBetter * rigid.rms < off.rms) off = std::move(rigid);
+  }
+  const ident::residual::Diagnosis& taken = off.taken;
+  const std::optional<Cleaned>& last = off.last;
+  d = std::move(off.left);
   if (taken.elastic || taken.spring || taken.unbalance) {
     found = method(last->axis, Depth::kWhole);
     d = ident::residual::diagnose(last->axis.records, found.result, false);

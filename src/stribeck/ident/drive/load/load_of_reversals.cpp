@@ -12,9 +12,11 @@ namespace {
 constexpr double kSameDirections = 0.05;  ///< of the level: directions that differ by less need no load
 constexpr double kNoMoreLoad = 0.01;      ///< of the level: a smaller step ends the search
 constexpr int kMostLoads = 8;
-constexpr double kLeastLevel = 0.1;  ///< of the mean of both levels
-constexpr double kHopeless = 4.0;    ///< ratio of the ends of the interval of the break-away distance
-constexpr double kLeastGain = 0.9;   ///< of the variance that was believed before: the data must tell more
+constexpr double kLeastLevel =
+    2.0 / 3.0;                     ///< of the mean of both levels: friction differs by at most two to one
+constexpr double kMostLeft = 0.1;  ///< of the mean of both levels, that one bristle may leave after reversals
+constexpr double kHopeless = 4.0;  ///< ratio of the ends of the interval of the break-away distance
+constexpr double kLeastGain = 0.9;  ///< of the variance that was believed before: the data must tell more
 
 struct Levels {
   double forward = 0.0, backward = 0.0;
@@ -115,6 +117,8 @@ std::optional<ToldLoad> load_of_reversals(const Result& result, const Found& fou
     return {};
   }
   if (!s || !s->last.determinable) return {};
+  // Where one bristle does not describe the reversals, what it asks for is no load.
+  if (s->last.models[1].held_out_rms > kMostLeft * levels_of(s->axis).mean()) return {};
   const double factor = found.intervals.factor;
   const std::optional<double> own = error_of(s->last, options, levels_of(s->axis), factor);
   if (!own) return {};

@@ -10,7 +10,8 @@
 /// for, until it asks for no more. F⁺ and F⁻ are those of the map at rest: their intervals are part of that of the load.
 ///
 /// Sign: positive c pushes against forward motion, as in AxisModel. Assumed: pre-sliding is as stiff forward as backward. Source: LuGre,
-/// bristle_fit.hpp. Not modelled: friction that differs by direction together with a stiffness that does.
+/// bristle_fit.hpp. Not believed where friction would differ by more than two to one, or where one bristle does not describe the
+/// reversals. Not modelled: friction that differs by direction together with a stiffness that does.
 /// Inside ident only. Real time: no.
 
 #include <optional>

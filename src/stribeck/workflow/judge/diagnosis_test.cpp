@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::test::diagnosis_test {
+namespace {
+
+constexpr double kStep = 5e-3;      // [s]
+constexpr double kMass = 41.0;      // [kg]
+constexpr double kWeight = 105.0;   // [N]
+constexpr double kSpring = 400.0;   // [N/m]
+constexpr double kCoulomb = 48.0;   // [N]
+constexpr double kViscous = 150.0;  // [N s/m]
+
+/// Accelerations of strokes of 0.2 m to and fro at these speeds, with a rest after each.
+std::vector<double> strokes(const std::vector<double>& speeds) {
+  std::vector<double> a;
+  for (const double speed : speeds) {
+    const double length = speed >= 0.02 ? 0.2 : 4.0 * speed;
+    const auto ramp = static_cast<std::size_t>(std::max(1.0, std::round(speed / kStep)));
+    const double most = speed / (static_cast<double>(ramp) * kStep);
+    for (const double d : {1.0, -1.0}) {
+      a.insert(a.end(), ramp, d * most);
+      a.insert(a.end(), static_cast<std::size_t>(length / speed / kStep), 0.0);
+      a.insert(a.end(), ramp, -d * most);
+      a.insert(a.end(), 20, 0.0);
+    }
+  }
+  return a;
+}
+
+std::vector<double> sine() {
+  std::vector<double> a;
+  for (int k = 0; k < 3000; ++k) {
+    const double w = std::numbers::pi, t = kStep * k;
+    a.push_back(-0.05 * w * w * std::sin(w * t) - 0.004 * 16.0 * w * w * std::sin(4.0 * w * t));
+  }
+  return a;
+}
+
+/// A vertical screw with a gas spring: position rounded to 1 um, 1 N of noise, and a ripple of 4 N along the screw.
+std::string log_of(const std::vector<double>& acceleration, double speed) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  constexpr double kStatic = 1.3 * kCoulomb, kSlow = 6e-3, kBristle = 4e6, kPitch = 0.01;
+  std::string out = "t [s],x [mm],r [mm],f [N]\n";
+  double x = 0.0, v = speed, bristle = 0.0;
+  for (std::size_t k = 0; k < acceleration.size(); ++k) {
+    const double level = kCoulomb + (kStatic - kCoulomb) / (1.0 + std::pow(std::abs(v) / kSlow, 1.5));
+    const double f = kMass * acceleration[k] + kViscous * v + bristle + kWeight + kSpring * (x + 0.1) -
+                     4.0 * std::sin(2.0 * std::numbers::pi * x / kPitch) + noise(random);
+    out += fmt::format("{:.4f},{:.3f},{:.6f},{:.3f}\n", kStep * static_cast<double>(k), 1e3 * x, 1e3 * x, f);
+    v += kStep * acceleration[k];
+    bristle = std::clamp(bristle + kBristle * kStep * v, -level, level);
+    x += kStep * v;
+  }
+  return out;
+}
+
+// A slow mode of a few parts of the mass follows the position as the spring does; it was found first, and hid the spring: coulomb
+// friction of 74 and 46 N, a mass of 51 +- 24 kg.
+TEST(Diagnosis, ASpringIsNoDriveThatGivesWay) {
+  const Folder folder;
+  const std::vector<std::string> logs{
+      folder.write("jog.csv", log_of(strokes({0.005, 0.02, 0.06, 0.1}), 0.0)),
+      folder.write("sine.csv", log_of(sine(), std::numbers::pi * (0.05 + 0.016))),
+      folder.write("acc.csv", log_of(strokes(std::vector<double>(6, 0.1)), 0.0))};
+  const workflow::Identification found = workflow::identify(workflow::read_axis(logs, {}), {});
+  EXPECT_FALSE(found.elastic);
+  const ident::Parameter* spring = found.result.find("position_stiffness");
+  ASSERT_NE(spring, nullptr);
+  EXPECT_NEAR(spring->value, kSpring, 0.02 * kSpring);
+  EXPECT_NEAR(found.result.mass, kMass, 0.02 * kMass);
+}
+
+}  // namespace
+}  // namespace stribeck::test::diagnosis_test
