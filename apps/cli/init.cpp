@@ -64,7 +64,7 @@ int init(InitCommand o) {
   io::check_writable(o.output);
   check_distinct({}, {o.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
-  (void)option_si("--sample-time", o.draft.sample_time, quantity("s", "ms").positive());
+  (void)option_si("--sample-time", o.draft.sample_time, quantity("s", "ms").positive().at_most(0.1));
   if (o.draft.name.find_first_of("\"\\\n") != std::string::npos)
     refuse_option("--name", "expected a name without quotes and backslashes");
   for (auto axis = o.draft.axes.begin(); axis != o.draft.axes.end(); ++axis) {

@@ -15,6 +15,17 @@
 namespace stribeck::report {
 namespace {
 
+/// A peak of this direction that stands out of its interval.
+bool is_clear(const ident::circle::QuadrantPeak& p, bool counter_clockwise) {
+  constexpr double kClear = 2.0;  // half widths
+  return p.counter_clockwise == counter_clockwise && std::abs(p.height) >= kClear * p.half_width_95;
+}
+
+bool has_clear_peaks(const CircleLog& log, bool counter_clockwise) {
+  return log.diagnosis && std::any_of(log.diagnosis->peaks.begin(), log.diagnosis->peaks.end(),
+                                      [&](const auto& p) { return is_clear(p, counter_clockwise); });
+}
+
 /// Radius at which errors up to `most` are drawn magnified: the circle is the unit circle.
 struct Magnifier {
   double per_metre = 0.0;
@@ -109,10 +120,9 @@ struct Magnifier {
   }
   /// The height of each quadrant peak at its place, outside the curve.
   void peaks(Plot& plot, const CircleLog& log, bool counter_clockwise, const std::string& color) const {
-    constexpr double kClear = 2.0;  // half widths of a peak that is one
     if (!log.diagnosis) return;
     for (const ident::circle::QuadrantPeak& p : log.diagnosis->peaks) {
-      if (p.counter_clockwise != counter_clockwise || std::abs(p.height) < kClear * p.half_width_95) continue;
+      if (!is_clear(p, counter_clockwise)) continue;
       const double turn = counter_clockwise ? 1.0 : -1.0;
       const double angle = p.angle + turn * (p.delay + 0.18);
       // The numbers are centred on their place: within the picture, and beside the names of the axes.
@@ -175,11 +185,13 @@ void fill_along(Series& s, const Drawn& d) {
 std::string picture_words(const CircleReportInput& input, std::size_t c) {
   double most = 0.0;
   for (const CircleLog& log : input.logs) most = std::max(most, log.circles[c].max_error);
+  const CircleLog& first = input.logs.front();
+  const bool numbers = input.logs.size() == 1 && has_clear_peaks(first, first.circles[c].counter_clockwise);
   return fmt::format(
       "Radial error magnified around the circle (thin line), all laps; outwards: radius too large. Dashed: {} µm to both sides. "
       "Good is a narrow ring without steps where an axis reverses (at {}+, {}+ and opposite); a step there is friction or play.{}",
-      short_number(Magnifier(most).ring * kMicro), input.logs.front().axes[0], input.logs.front().axes[1],
-      input.logs.size() == 1 ? " Numbers: heights of the quadrant peaks." : "");
+      short_number(Magnifier(most).ring * kMicro), first.axes[0], first.axes[1],
+      numbers ? " Numbers: heights of the quadrant peaks." : "");
 }
 
 /// All logs on one scale.

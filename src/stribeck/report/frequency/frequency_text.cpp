@@ -35,22 +35,24 @@ std::string margins_in_words(const MeasuredMargins& m) {
 }
 
 std::string limit_in_words(const FrequencyAxis& a, const LoopProposal& p) {
-  const std::string at = fmt::format("{} Hz", significant(p.limit_at / kPerTurn, 3));
+  // A loop that amplifies at every frequency has no line at which its gain margin is measured.
+  const std::string at =
+      p.limit_at > 0.0 ? fmt::format(" at {} Hz", significant(p.limit_at / kPerTurn, 3)) : std::string();
   if (p.limit == LoopLimit::kMeasured)
     return fmt::format(
-        "a faster loop is not judged, because its margins lie beyond the highest line, {}: measure to a higher "
+        "a faster loop is not judged, because its margins lie beyond the highest line, {} Hz: measure to a higher "
         "frequency or with a shorter period of the controller",
-        at);
+        significant(p.limit_at / kPerTurn, 3));
   const char* what = p.limit == LoopLimit::kGain ? "the gain margin" : "the phase margin";
   if (p.unsure)
     return fmt::format(
-        "a faster loop keeps {} at {} too, but its interval is too wide to be sure of that: record more strokes, or excite more strongly",
+        "a faster loop keeps {}{} too, but its interval is too wide to be sure of that: record more strokes, or excite more strongly",
         what, at);
-  if (a.resonance_limits) return fmt::format("beyond it the resonance takes {} at {}", what, at);
+  if (a.resonance_limits) return fmt::format("beyond it the resonance takes {}{}", what, at);
   const std::string delay = a.fit.delay.low() > 0.0 ? fmt::format(", difference and the delay of {} ms",
                                                                   significant(a.fit.delay.value * 1e3, 3))
                                                     : std::string(" and difference");
-  return fmt::format("beyond it hold{} take {} at {}", delay, what, at);
+  return fmt::format("beyond it hold{} take {}{}", delay, what, at);
 }
 
 std::string rule_in_words(const FrequencyAxis& a) {

@@ -155,7 +155,10 @@ Page health_report_page(const HealthReportInput& input) {
     for (const Channel& c : axis.health.channels) plots.push_back(trend_plot(c, axis.health.changes));
     page.figures(
         plots, 2,
-        "Tests (points), fit with its 95 % interval, days of changes (vertical lines), limits of a slow change (dashed).");
+        fmt::format(
+            "Tests (points), fit with its 95 % interval, limits of a slow change (dashed, {} %). Vertical "
+            "lines: days of steps of {} % and more, which may end within the dashed lines.",
+            short_number(100.0 * input.limits.drift), short_number(100.0 * input.limits.step)));
     if (axis.tests.front().axis) page.figure(speed_plot(axis), "First and last test.");
     if (!axis.motion.empty()) {
       page.subsection("Motion to repeat");

@@ -199,9 +199,10 @@ class Figure {
     // The drawing tells its own magnification: "error × 300".
     const texts = [...this.svg.querySelectorAll('text')];
     const told = texts.find((t) => /^error × \d+$/.test(t.textContent));
+    // Where it does not, the slider tells how much larger than drawn at first.
     const own = told ? Number(told.textContent.slice(8)) : 1;
     const say = () => {
-      said.textContent = '×' + Number((own * this.scale).toPrecision(2));
+      said.textContent = '×' + Number((own * this.scale).toPrecision(2)) + (told ? '' : ' of the drawing');
       if (told) told.textContent = 'error ' + said.textContent.replace('×', '× ');
     };
     say();

@@ -299,6 +299,11 @@ std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput
   return plots;
 }
 
+/// In micrometres; small values with two digits, so that a label does not read higher than its bar.
+std::string label_of_bar(double metres) {
+  return metres > 0.0 && metres < 1e-7 ? significant(metres * kMicro, 2) : micrometres(metres);
+}
+
 /// Bars of these rows of a block: of all rows or of those with the finer scales.
 Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& error, std::string_view head,
               sim::Figure::OfRun figure) {
@@ -339,7 +344,7 @@ Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& err
     const sim::CompareRow& r = *rows[k];
     const double spread = std::isfinite(r.spread.*figure) ? r.spread.*figure * kMicro : 0.0;
     p.notes.push_back({static_cast<double>(k) + 1.0, r.mean.*figure * kMicro + spread + 0.05 * top,
-                       micrometres(r.mean.*figure)});
+                       label_of_bar(r.mean.*figure)});
   }
   if (!print.x.empty()) p.series.push_back(std::move(print));
   return p;

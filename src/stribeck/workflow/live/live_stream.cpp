@@ -162,6 +162,8 @@ void LiveStream::record(const std::filesystem::path& folder, std::uint64_t most_
 std::filesystem::path LiveStream::save() {
   const std::lock_guard recording_lock(record_mutex_);
   if (!recording_) throw io::InputError({"request", 0, "record", "nothing is recorded (press Record first)"});
+  if (recording_->rows() == 0)
+    throw io::InputError({"request", 0, "record", "no row has come since Record (wait for one, or discard)"});
   const std::unique_ptr<LiveRecording> done = std::move(recording_);
   {
     const std::lock_guard lock(mutex_);

@@ -54,6 +54,8 @@ TEST(LiveStream, ARecordingIsALogThatCanBeRead) {
   stream.row(0.0, std::array{0.0, 0.0});
   stream.record(folder / "");
   EXPECT_THROW(stream.record(folder / ""), io::InputError);
+  EXPECT_THROW(stream.save(), io::InputError);  // no row yet; the recording goes on
+  EXPECT_TRUE(stream.state().recording);
   for (int k = 1; k <= 500; ++k) stream.row(k * 1e-3, std::array{k * 0.1, -2.5});
   EXPECT_EQ(stream.state().recorded_rows, 500U);
   const std::string file = stream.save();
