@@ -357,8 +357,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window();
   out.both_directions = f.rows.both_directions;
-  out.own_encoder = std::all_of(motions.begin(), motions.end(),
-                                [](const CircleMotion& m) { return m.commanded && !m.ball_bar && !m.scale; });
+  out.own_encoder = f.rows.own_encoder;
   const auto [low, high] =
       std::minmax_element(f.rows.rows.begin(), f.rows.rows.end(),
                           [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });
@@ -367,6 +366,13 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
 }
 
 CauseWords words_of(const Diagnosis& d, CauseKind kind) {
+  if (kind == CauseKind::kRadius && d.own_encoder)
+    return {
+        "the positions stay inside the commanded circle, or outside, in both axes alike: the axes lag behind their commands, or are fed "
+        "forward too much",
+        "switch on velocity and acceleration feed-forward, or raise the position gain of both axes; where the circle is too large, "
+        "lower the acceleration feed-forward",
+        true};
   if (kind != CauseKind::kBacklash || !d.own_encoder) return words_of(kind);
   return {
       "the position stays behind its command by this distance after each reversal: friction that the loop lets through, or play where its encoder is a scale at the table; negative: its compensation pushes too far",

@@ -13,7 +13,9 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   };
   add(CauseKind::kRadius, std::nullopt);
   add(CauseKind::kScaleMismatch, std::nullopt);
-  add(CauseKind::kSquareness, std::nullopt);
+  // In one direction both have one form, and an encoder of the axis sees no squareness.
+  const bool square = rows.both_directions || !rows.own_encoder;
+  if (square) add(CauseKind::kSquareness, std::nullopt);
   // On an arc a bow is too much like a centre and a scale.
   if (!rows.arcs) {
     add(CauseKind::kStraightness, 0);
@@ -21,8 +23,8 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   }
   add(CauseKind::kBacklash, 0, 2);
   add(CauseKind::kBacklash, 1, 2);
+  if (rows.both_directions || !square) add(CauseKind::kServoMismatch, std::nullopt);
   if (rows.both_directions) {
-    add(CauseKind::kServoMismatch, std::nullopt);
     add(CauseKind::kLateralPlay, 0);
     add(CauseKind::kLateralPlay, 1);
   }

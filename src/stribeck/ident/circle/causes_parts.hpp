@@ -39,7 +39,9 @@ struct CauseRows {
   bool feeds_known = false;
   bool feeds_differ = false;  ///< by more than a fifth
   bool drifts = false;        ///< the centre moves evenly with time: centre_drifts()
-  double fastest = 0.0;       ///< [m/s]
+  bool own_encoder =
+      false;             ///< positions of a control beside its commands: each encoder sees its own axis alone
+  double fastest = 0.0;  ///< [m/s]
 };
 
 /// Where the circle is, from the centre of the motion [m].

@@ -153,8 +153,10 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
   std::vector<std::string> out;
   if (!rows.both_directions)
     out.emplace_back(
-        "one direction of travel: squareness cannot be distinguished from servo mismatch, nor scale mismatch from lateral play; "
-        "measure the other direction too");
+        rows.own_encoder
+            ? "one direction of travel: scale mismatch cannot be distinguished from lateral play; measure the other direction too"
+            : "one direction of travel: squareness cannot be distinguished from servo mismatch, nor scale mismatch from lateral play; "
+              "measure the other direction too");
   if (!rows.feeds_differ &&
       (is_found(causes, CauseKind::kRadius) || is_found(causes, CauseKind::kScaleMismatch)))
     out.emplace_back(
@@ -188,7 +190,7 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
   if (is_found(causes, CauseKind::kStraightness))
     out.emplace_back(
         "a bow of a guide cannot be distinguished from a scale whose error grows with the square of the travel");
-  if (is_found(causes, CauseKind::kRadius))
+  if (is_found(causes, CauseKind::kRadius) && !rows.own_encoder)
     out.emplace_back(
         "a radius cannot be distinguished from an error of the instrument's length, unless that was calibrated");
   if (const double rate = row_rate(motions); is_found(causes, CauseKind::kVibration) && std::isfinite(rate))

@@ -96,6 +96,8 @@ CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
   }
   make_progress(out.rows);
   out.both_directions = forward && back;
+  out.own_encoder = std::all_of(motions.begin(), motions.end(),
+                                [](const CircleMotion& m) { return m.commanded && !m.ball_bar && !m.scale; });
   out.feeds_known = out.feeds_known && !out.rows.empty();
   out.feeds_differ = out.feeds_known && out.fastest > 1.2 * slowest;
   return out;

@@ -424,7 +424,9 @@ TEST(Causes, SaysWhatCannotBeToldApart) {
   VirtualRecord record = travel(m, kFeed, 1.3, random);
   const std::size_t half = record.t.size() / 2;
   for (auto* column : {&record.t, &record.x, &record.y, &record.cx, &record.cy}) column->resize(half);
-  const auto one = diagnose({record.motion(m.radius)});
+  CircleMotion grid = record.motion(m.radius);
+  grid.scale = true;
+  const auto one = diagnose({grid});
   ASSERT_TRUE(one);
   EXPECT_EQ(found_in(*one), std::vector<std::string>{"squareness"});
   EXPECT_THAT(one->remarks, Contains(HasSubstr("squareness cannot be distinguished from servo mismatch")));
@@ -438,6 +440,21 @@ TEST(Causes, SaysWhatCannotBeToldApart) {
   // V²T²/(2R)
   EXPECT_NEAR(cause_in(both, CauseKind::kLag, 0).size, 5e-6, 0.1e-6);
   EXPECT_NEAR(cause_in(both, CauseKind::kLag, 0).figures[0].value, 20.0, 0.3);
+}
+
+// The encoders of the axes see no squareness: in a log of a control, one direction tells which axis follows later.
+TEST(Causes, OneDirectionOfAControlTellsTheServoMismatch) {
+  VirtualMachine m;
+  m.lag[0] = 0.15e-3;
+  std::mt19937_64 random(4);
+  VirtualRecord record = travel(m, kFeed, 1.3, random);
+  const std::size_t half = record.t.size() / 2;
+  for (auto* column : {&record.t, &record.x, &record.y, &record.cx, &record.cy}) column->resize(half);
+  const auto d = diagnose({record.motion(m.radius)});
+  ASSERT_TRUE(d);
+  EXPECT_EQ(found_in(*d), std::vector<std::string>{"servo mismatch"});
+  EXPECT_NEAR(cause_in(*d, CauseKind::kServoMismatch, 0).figures.at(0).value, 0.15, 0.01);
+  EXPECT_THAT(d->remarks, Not(Contains(HasSubstr("squareness cannot"))));
 }
 
 // Too few rows: no diagnosis in place of a poor one.
