@@ -2,290 +2,12 @@
 // force is seen here, also one that no closed form tells. Where a change is meant, STRIBECK_PRINT_FORCES=1 prints the new table.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <stribeck/control/compensation/lost_motion_move.hpp>
-#include <stribeck/control/drive_interface.hpp>
-#include <stribeck/control/laws.hpp>
-#include <stribeck/control/supervision/supervisor.hpp>
-#include <stribeck/path/motion_frame.hpp>
-#include <string>
-#include <vector>
+#include <stribeck/control/test_stored.hpp>
 
 namespace stribeck::control::stored_forces_test {
 namespace {
 
-constexpr double kPeriod = 1e-3;
-constexpr int kPeriods = 6000;
-constexpr double kStep = 0.1e-6;  ///< of the encoders [m]
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-using V = Vec<double, 2>;
-
-/// Numbers between -1 and 1, the same everywhere.
-class Numbers {
- public:
-  double next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state_ >> 40) * 0x1p-23 - 1.0;
-  }
-
- private:
-  std::uint64_t state_ = 2026;
-};
-
-/// Share of the full speed at time t [s] and its rate: run-in, a stop from 3.0 to 3.4 s, faster from then on.
-struct Pace {
-  double rate = 0.0;
-  double change = 0.0;
-};
-Pace pace(double t) {
-  const auto rise = [&](double from, double to, double height) {
-    const double x = std::min(1.0, std::max(0.0, (t - from) / (to - from)));
-    return Pace{height * x * x * (3.0 - 2.0 * x), height * 6.0 * x * (1.0 - x) / (to - from)};
-  };
-  Pace sum;
-  for (const Pace& p : {rise(0.1, 0.6, 2.0), rise(2.6, 3.0, -2.0), rise(3.4, 3.8, 3.0)}) {
-    sum.rate += p.rate;
-    sum.change += p.change;
-  }
-  return sum;
-}
-
-/// An ellipse that leans, 10 mm by 4 mm.
-class Motion {
- public:
-  path::PathPoint<2> next() {
-    path::PathPoint<2> r;
-    const Pace p = pace(time_);
-    const double c = std::cos(phi_);
-    const double s = std::sin(phi_);
-    r.phi = phi_;
-    r.position = {{10e-3 * c, 4e-3 * s + 2e-3 * c}};
-    const V first{{-10e-3 * s, 4e-3 * c - 2e-3 * s}};
-    r.velocity = p.rate * first;
-    r.acceleration = p.change * first - (p.rate * p.rate) * r.position;
-    frame_.step(state_, r);
-    phi_ += kPeriod / 6.0 * (p.rate + 4.0 * pace(time_ + 0.5 * kPeriod).rate + pace(time_ + kPeriod).rate);
-    time_ += kPeriod;
-    return r;
-  }
-
- private:
-  path::MotionFrame<2> frame_{kPeriod, 1e-4, 20.0};
-  path::MotionFrame<2>::State state_;
-  double phi_ = 0.0;
-  double time_ = 0.0;
-};
-
-/// A mass with bristle friction that is not quite the model of the controllers.
-class Axis {
- public:
-  explicit Axis(double x) : x_(x) {}
-  void move(double force, double load) {
-    constexpr int kParts = 20;
-    constexpr double kPart = kPeriod / kParts;
-    for (int i = 0; i < kParts; ++i) {
-      const double level = 34.0 + 8.0 * std::exp(-(v_ * v_) / 4e-6) + 2.0 * std::sin(x_ / 0.8e-3);
-      z_ = (z_ + kPart * v_) / (1.0 + kPart * kStiffness * std::abs(v_) / level);
-      const double friction = kStiffness * z_ + 300.0 * v_;
-      v_ += kPart / kMass * (force - load - friction);
-      x_ += kPart * v_;
-    }
-  }
-  [[nodiscard]] double read(double noise) const {
-    return kStep * std::round((x_ + 0.2 * kStep * noise) / kStep);
-  }
-
- private:
-  static constexpr double kMass = 105.0;       ///< [kg]
-  static constexpr double kStiffness = 4.0e6;  ///< [N/m]
-  double x_ = 0.0;
-  double v_ = 0.0;
-  double z_ = 0.0;
-};
-
-/// First axis: differs by direction, with places, ripple and LuGre. Second: Stribeck and GMS, with a load.
-Setup<2> setup() {
-  Setup<2> s;
-  s.period = kPeriod;
-  s.lap = 2.0 * kPi;
-  s.force_limit = {{260.0, 300.0}};
-  for (CompensationParams& c : s.compensation) {
-    c.model.mass = 100.0;
-    c.encoder_resolution = kStep;
-    c.observer_pole = 60.0;
-    c.adaptive_gain = 30.0;
-    c.guarded = true;
-  }
-  friction::AxisModel& x = s.compensation[0].model;
-  friction::Gaussian<double> map;
-  map.positive.eta0 = 33.0;
-  map.positive.eta1 = 310.0;
-  map.positive.gaussians = {friction::GaussianTerm<double>{7.0, 0.0, 2e-3}};
-  map.negative.eta0 = -36.0;
-  map.negative.eta1 = 290.0;
-  map.negative.gaussians = {friction::GaussianTerm<double>{-6.0, 0.0, 3e-3}};
-  map.velocity_range = {{-18e-3, 18e-3}};
-  x.friction.steady = map;
-  x.friction.dynamics = friction::LuGre<double>{4.5e6, 9e3, 0.3e-3};
-  x.friction.eccentric = {
-      friction::Eccentric<double>{1.5, 5e-3, 0.4},
-      friction::Eccentric<double>{1.0, 2e-3, -0.2, friction::EccentricForm::kProportional}};
-  x.friction.places = {friction::Place{-8e-3, 1.1, 0.9}, friction::Place{6e-3, 0.95, 1.2}};
-  friction::AxisModel& y = s.compensation[1].model;
-  y.load = 21.0;
-  y.friction.steady = friction::Conventional<double>{33.0, 280.0, {}};
-  friction::Gms<double> elements;
-  elements.elements = {friction::GmsElement<double>{2e6, 0.4}, friction::GmsElement<double>{1.5e6, 0.35},
-                       friction::GmsElement<double>{0.5e6, 0.25}};
-  elements.attraction = 300.0;
-  elements.damping_coefficient = 6e3;
-  elements.damping_velocity = 0.4e-3;
-  y.friction.dynamics = elements;
-  return s;
-}
-
-Supervision<2> limits() {
-  Supervision<2> all;
-  for (SupervisionParams& p : all) {
-    p.speed_limit = 50e-3;
-    p.acceleration_limit = 0.4;
-    p.omega = 40.0;
-  }
-  return all;
-}
-
-LostMotionParams play() {
-  LostMotionParams p;
-  p.backlash = 6e-6;
-  p.backlash_slope = 1e-4;
-  p.stiffness = 20e6;
-  p.table_friction = 20.0;
-  p.table_mass = 40.0;
-  return p;
-}
-
-/// What a run is given in one of its periods.
-struct Given {
-  path::PathPoint<2>& r;
-  V& measured;
-  double& elapsed;
-  bool& reset;
-};
-using Trouble = std::function<void(int period, Given)>;
-
-struct Case {
-  std::string name;
-  LawParams law;
-  std::function<void(Setup<2>&)> change;
-  Trouble trouble;  ///< with it the law is supervised
-};
-
-void everywhere(Setup<2>& s, Feedforward f, Observer o, bool adapts = false) {
-  for (CompensationParams& c : s.compensation) {
-    c.feedforward = f;
-    c.observer = o;
-    c.adaptation.enabled = adapts;
-  }
-}
-void late(Setup<2>& s, double periods) {
-  for (CompensationParams& c : s.compensation) c.delay = c.model.delay = periods * kPeriod;
-}
-void loops(Setup<2>& s, friction::DriveMode mode, bool offset) {
-  for (CompensationParams& c : s.compensation) {
-    friction::DriveLoop d;
-    d.mode = mode;
-    d.gain = 9e3;
-    d.integral_time = 20e-3;
-    d.position_gain = 50.0;
-    d.velocity_feedforward = 0.8;
-    d.force_offset = offset;
-    d.force_feedback = true;
-    c.model.drive_loop = d;
-  }
-}
-
-/// Sums of the forces of each axis, and of everything else that a run tells, with weights that differ from period to period.
-struct Sums {
-  double first = 0.0;
-  double second = 0.0;
-  double other = 0.0;
-};
-
-template <class Params>
-Sums run(const Params& params, const Case& which) {
-  using Law = typename Params::template Controller<2>;
-  Setup<2> s = setup();
-  if (which.change) which.change(s);
-  const Supervised<Law, 2> watched(params, s, limits());
-  const Law law(params, s);
-  const DriveInterface<2> drives(s);
-  const Compensation observed(with_known_force(s.compensation[0]), kPeriod);
-  const auto state = std::make_unique<typename Supervised<Law, 2>::State>();
-  typename DriveInterface<2>::State commands;
-  const LostMotionMove lost_motion(play(), s.compensation[0], {20e-3, 0.5, 50.0, -20e-3, 20e-3}, kPeriod);
-  const auto lost = std::make_unique<LostMotionMove::State>();
-  Motion motion;
-  Axis x(10e-3);
-  Axis y(2e-3);
-  Numbers noise;
-  Numbers weights;
-  Sums sums;
-  V force;
-  for (int k = 0; k < kPeriods; ++k) {
-    path::PathPoint<2> r = motion.next();
-    V measured{{x.read(noise.next()), y.read(noise.next())}};
-    drives.admit(commands, state->law, force);
-    double elapsed = kNan;
-    if (which.trouble) {
-      bool reset = false;
-      which.trouble(k, {r, measured, elapsed, reset});
-      if (reset) watched.reset(*state);
-      force = watched.step(*state, r, measured, elapsed);
-    } else {
-      force = law.step(state->law, r, measured);
-    }
-    if (state->watch.fault == Fault::kNone) {
-      drives.command(commands, state->law, r, measured, force);
-    } else {
-      drives.stop(commands, r, measured, force, 50, false);
-    }
-    x.move(force[0], 0.0);
-    y.move(force[1], 20.0);
-    sums.first += weights.next() * force[0];
-    sums.second += weights.next() * force[1];
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (drives.present(i))
-        sums.other += weights.next() * 1e4 * commands[i].command + weights.next() * commands[i].offset;
-    }
-    const LostMotionMove::Output& moved =
-        lost_motion.step(*lost, r.position[0], r.velocity[0], r.acceleration[0]);
-    sums.other +=
-        weights.next() * (1e6 * moved.position + moved.force) + weights.next() * 1e3 * moved.velocity;
-    sums.other += weights.next() * static_cast<double>(state->watch.fault) +
-                  weights.next() * (state->law.bridged[0] || state->law.doubtful[0] ? 1.0 : 0.0) +
-                  weights.next() * state->law.compensation[0].guard.trust;
-    if (k % 100 == 99 && observed.adapts()) {
-      const Drift d = observed.drift(state->law.compensation[0]);
-      for (const double value :
-           {d.level, d.level_deviation, d.positive, d.negative, d.viscous, d.break_away, d.mass,
-            1e3 * d.delay, d.viscous_deviation, d.mass_deviation, d.break_away_deviation,
-            1e3 * d.delay_deviation, std::isnan(d.trend) ? 0.0 : d.trend, static_cast<double>(d.verdict)})
-        sums.other += weights.next() * value;
-    }
-  }
-  for (int i = 0; i < static_cast<int>(Status::kCount); ++i)
-    sums.other += weights.next() * 1e-3 * state->law.status.count(static_cast<Status>(i));
-  for (const std::uint32_t n : state->watch.counts) sums.other += weights.next() * n;
-  sums.other += weights.next() * state->watch.late + weights.next() * state->watch.commands_lost;
-  for (const auto& a : state->watch.axes) sums.other += weights.next() * a.encoder.bridged;
-  return sums;
-}
+using namespace test_stored;
 
 ContouringParams critical() { return ContouringParams::critical(40.0, 60.0); }
 
@@ -413,10 +135,6 @@ void add_supervised(std::vector<Case>& all) {
   });
 }
 
-struct Stored {
-  const char* name;
-  Sums sums;
-};
 const Stored kStored[] = {
     {"contouring", {2295.0926, -2581.90564, -132.90439}},
     {"pid", {2369.35172, -2582.04932, -132.90439}},
@@ -459,32 +177,22 @@ const Stored kStored[] = {
     {"command-jumps", {181.671233, -616.884923, 178.122088}},
 };
 
-bool printing() { return std::getenv("STRIBECK_PRINT_FORCES") != nullptr; }
-
-TEST(StoredForces, AreThoseOfEveryRun) {
-  std::vector<Case> cases;
-  add_laws(cases);
-  add_compensations(cases);
-  add_supervised(cases);
-  std::size_t at = 0;
-  for (const Case& one : cases) {
-    const Sums now = std::visit([&](const auto& params) { return run(params, one); }, one.law);
-    if (printing()) {
-      std::printf("    {\"%s\", {%.9g, %.9g, %.9g}},\n", one.name.c_str(), now.first, now.second, now.other);
-      continue;
-    }
-    ASSERT_LT(at, std::size(kStored));
-    const Stored& before = kStored[at++];
-    ASSERT_EQ(one.name, before.name);
-    // Another mathematical library may round differently.
-    EXPECT_NEAR(now.first, before.sums.first, 1e-3) << one.name;
-    EXPECT_NEAR(now.second, before.sums.second, 1e-3) << one.name;
-    EXPECT_NEAR(now.other, before.sums.other, 1e-3) << one.name;
-  }
-  if (!printing()) {
-    EXPECT_EQ(at, std::size(kStored));
-  }
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  add_laws(all);
+  add_compensations(all);
+  add_supervised(all);
+  return all;
 }
+
+class StoredForces : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(StoredForces, AreThoseOfTheTable) { expect_stored(cases().at(GetParam()), kStored[GetParam()]); }
+
+INSTANTIATE_TEST_SUITE_P(Runs, StoredForces, ::testing::Range(std::size_t{0}, std::size(kStored)),
+                         [](const auto& one) { return name_of(kStored[one.param]); });
+
+TEST(StoredForcesTable, HasEveryRun) { EXPECT_EQ(cases().size(), std::size(kStored)); }
 
 }  // namespace
 }  // namespace stribeck::control::stored_forces_test
