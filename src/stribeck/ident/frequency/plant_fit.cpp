@@ -20,6 +20,9 @@ constexpr double kFarBetter = 0.9;       ///< of the error on held-out lines
 constexpr double kFarAway = 0.5;         ///< the same, for a resonance of which only the beginning is seen
 constexpr double kMore = 3.0;            ///< times the noise: there is more in the lines than one mass
 constexpr double kKnownResonance = 0.1;  ///< relative half width
+constexpr double kKnownLag = 1.0 / 3.0;  ///< relative half width
+constexpr double kLeastDelay =
+    -0.1;  ///< beside a lag [periods]: a log of the force that the drive makes has neither hold nor lag
 constexpr double kBadSquare = 1e30;
 
 /// (e^{pt} − 1)/p.
@@ -65,6 +68,12 @@ class Sampled {
     const double slow = -p.viscous / p.mass;
     if (p.structure == Structure::kRigid) {
       modes_.emplace_back(slow, 1.0 / p.mass, sample_time, rest);
+      return;
+    }
+    if (p.structure == Structure::kRigidLag) {
+      const double behind = -1.0 / p.lag, residue = 1.0 / (p.mass * p.lag * (slow - behind));
+      modes_.emplace_back(slow, residue, sample_time, rest);
+      modes_.emplace_back(behind, -residue, sample_time, rest);
       return;
     }
     const double w = p.resonance;
@@ -114,9 +123,13 @@ struct Data {
   }
 };
 
-int parameters_of(Structure s) { return s == Structure::kRigid ? 3 : s == Structure::kTwoMassDrive ? 7 : 5; }
+int parameters_of(Structure s) {
+  return s == Structure::kRigid ? 3 : s == Structure::kRigidLag ? 4 : s == Structure::kTwoMassDrive ? 7 : 5;
+}
+bool elastic(Structure s) { return s == Structure::kTwoMassDrive || s == Structure::kTwoMassTable; }
 
-/// Parameters of order one: ln m, c over m and the lowest line, τ over T, ln ωp, ln ζp, ln ωz, ln ζz.
+/// Parameters of order one: ln m, c over m and the lowest line, τ over the period, then ln ωp, ln ζp, ln ωz, ln ζz, or the lag: ln of T
+/// over the period.
 Plant plant_from(const double* p, Structure structure, double slowest, double sample_time) {
   Plant out;
   out.structure = structure;
@@ -124,6 +137,10 @@ Plant plant_from(const double* p, Structure structure, double slowest, double sa
   out.viscous = p[1] * out.mass * slowest;
   out.delay = p[2] * sample_time;
   if (structure == Structure::kRigid) return out;
+  if (structure == Structure::kRigidLag) {
+    out.lag = std::exp(p[3]) * sample_time;
+    return out;
+  }
   out.resonance = std::exp(p[3]);
   out.damping = std::exp(p[4]);
   if (structure == Structure::kTwoMassTable) return out;
@@ -162,8 +179,8 @@ class Errors : public stats::Residuals {
   bool fill(const double* p, double* out) const {
     const Plant plant = plant_from(p, structure_, slowest_, data_.sample_time);
     const double top = kPi / data_.sample_time;
-    if (structure_ != Structure::kRigid &&
-        (plant.resonance > top || plant.damping > 0.9 || plant.damping < 1e-5))
+    if (structure_ == Structure::kRigidLag && std::abs(p[3]) > 5.0) return false;
+    if (elastic(structure_) && (plant.resonance > top || plant.damping > 0.9 || plant.damping < 1e-5))
       return false;
     if (structure_ == Structure::kTwoMassDrive &&
         (p[5] > p[3] || p[5] < p[3] - 3.0 || plant.zero_damping > 2.0))
@@ -223,6 +240,16 @@ Fitted fit(const Data& data, Structure s, double slowest, const Fitted* rigid) {
     for (const double delay : {0.0, 1.0, 3.0}) {
       Eigen::VectorXd p(3);
       p << std::log(masses[masses.size() / 2]), 0.0, delay;
+      keep(descend(data, s, slowest, p));
+    }
+    return best;
+  }
+  if (s == Structure::kRigidLag) {
+    for (const double lag : {0.3, 1.0, 3.0, 10.0}) {
+      Eigen::VectorXd p(4);
+      p.head(3) = rigid->p;
+      p[2] = std::max(0.0, p[2] - lag);
+      p[3] = std::log(lag);
       keep(descend(data, s, slowest, p));
     }
     return best;
@@ -309,6 +336,11 @@ struct Candidate {
 
 std::string choice_in_words(const Candidate& best, const Candidate& rigid, const Data& data) {
   const double top = data.omega.back() / (2.0 * kPi);
+  if (best.structure == Structure::kRigidLag)
+    return fmt::format(
+        "a force behind a lag of first order, of a current loop or a filter, misses held-out lines by {} times their noise, a delay alone by "
+        "{} times",
+        digits(best.held_out), digits(rigid.held_out));
   if (best.structure == Structure::kRigid)
     return fmt::format(
         "no resonance is visible up to {} Hz: two masses are not better than one on held-out lines, or "
@@ -327,7 +359,8 @@ PlantFit result_of(const Candidate& c, const Data& data) {
   out.mass = {p.mass, p.mass * (c.half[0] + hidden)};
   out.viscous = {p.viscous, p.mass * slowest * c.half[1] + std::abs(p.viscous) * c.half[0]};
   out.delay = {p.delay, data.sample_time * c.half[2]};
-  if (c.structure != Structure::kRigid) {
+  if (c.structure == Structure::kRigidLag) out.lag = Value{p.lag, p.lag * c.half[3]};
+  if (elastic(c.structure)) {
     out.resonance = Value{p.resonance, p.resonance * (c.half[3] + 0.5 * hidden)};
     out.damping = Value{p.damping, p.damping * c.half[4]};
   }
@@ -352,7 +385,8 @@ PlantFit fit_plant(const Response& response) {
   const Data data = data_of(response);
   const double slowest = data.omega.front();
   std::vector<Candidate> all;
-  for (const Structure s : {Structure::kRigid, Structure::kTwoMassDrive, Structure::kTwoMassTable}) {
+  for (const Structure s :
+       {Structure::kRigid, Structure::kTwoMassDrive, Structure::kTwoMassTable, Structure::kRigidLag}) {
     Candidate c;
     c.structure = s;
     const bool rigid_fits = !all.empty() && all.front().fitted.squares < kBadSquare;
@@ -370,8 +404,11 @@ PlantFit fit_plant(const Response& response) {
         "frequency response: no mass and delay fit the lines (look at the picture: is the sign of the force right?)");
   const Candidate* best = &all.front();
   bool beyond = false;
+  const Candidate& lag = all.back();
+  if (lag.held_out < kFarBetter * best->held_out && lag.half[3] < kKnownLag && lag.fitted.p[2] > kLeastDelay)
+    best = &lag;
   for (const Candidate& c : all) {
-    if (c.structure == Structure::kRigid || !(c.held_out < kFarBetter * best->held_out)) continue;
+    if (!elastic(c.structure) || !(c.held_out < kFarBetter * best->held_out)) continue;
     if (c.half[3] > kKnownResonance || std::exp(c.fitted.p[3]) > data.omega.back()) {
       beyond = beyond || c.held_out < kFarAway * all.front().held_out;
       continue;
@@ -386,7 +423,7 @@ PlantFit fit_plant(const Response& response) {
         digits(out.mass.value), digits(out.mass.low()), digits(out.mass.high())));
   }
   for (const Candidate& c : all) out.held_out.push_back(c.held_out);
-  out.beyond = best->structure == Structure::kRigid && (beyond || out.excess > kMore);
+  out.beyond = !elastic(best->structure) && (beyond || out.excess > kMore);
   out.reason = choice_in_words(*best, all.front(), data);
   return out;
 }

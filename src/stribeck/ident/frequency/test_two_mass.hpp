@@ -19,6 +19,7 @@ struct TwoMass {
   double damping = 4.0e3;    ///< [N·s/m]
   double friction = 30.0;    ///< Coulomb, on the drive side [N]
   double late = 0.0;         ///< delay of the force [periods], below 1
+  double lag = 0.0;          ///< of first order, of the force [s]; 0: none
   double noise = 0.0;        ///< RMS of a force that changes every period [N]
   double encoder = 1e-8;     ///< step [m]
   double period = 1e-3;      ///< [s]
@@ -43,9 +44,14 @@ inline log::Record recorded(const TwoMass& p, const std::vector<double>& r, std:
     return std::array<double, 4>{y[1], (force + spring - friction - stuck) / p.drive, y[3],
                                  p.table > 0.0 ? -spring / p.table : 0.0};
   };
-  const auto advance = [&](double force, double time, int parts) {
+  double made = 0.0;  // behind the lag
+  const auto advance = [&](double asked, double time, int parts) {
     const double h = time / parts;
     for (int i = 0; i < parts; ++i) {
+      // Its mean over the step is exact enough.
+      const double kept = p.lag > 0.0 ? std::exp(-h / p.lag) : 0.0;
+      const double force = p.lag > 0.0 ? asked + (made - asked) * (1.0 - kept) * p.lag / h : asked;
+      made = asked + (made - asked) * kept;
       const auto at = [&](const std::array<double, 4>& k, double share) {
         std::array<double, 4> y = s;
         for (std::size_t j = 0; j < 4; ++j) y[j] += share * h * k[j];

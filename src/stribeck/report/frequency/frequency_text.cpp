@@ -169,6 +169,7 @@ Table plant_table(const FrequencyAxis& a) {
     row("slope of friction", a.fit.viscous, 1e-3, a.units.named("N s/mm"));
   }
   row("delay beyond the hold", a.fit.delay, 1e3, "ms");
+  if (a.fit.lag) row("lag of the force", *a.fit.lag, 1e3, "ms");
   if (a.fit.antiresonance) row("anti-resonance", *a.fit.antiresonance, 1.0 / kPerTurn, "Hz");
   if (a.fit.resonance) row("resonance", *a.fit.resonance, 1.0 / kPerTurn, "Hz");
   if (a.fit.damping) row("damping ratio", *a.fit.damping, 1.0, "");
@@ -322,6 +323,7 @@ nlohmann::ordered_json to_json(const FrequencyReportInput& input) {
         {"antiresonance_Hz", json_of(a.fit.antiresonance, 1.0 / kPerTurn)},
         {"resonance_Hz", json_of(a.fit.resonance, 1.0 / kPerTurn)},
         {"damping", json_of(a.fit.damping)},
+        {"lag_s", json_of(a.fit.lag)},
         {"highest_Hz", r.highest() / kPerTurn},
         {"misfit_percent", a.fit.misfit * 100.0},
         {"excess", a.fit.excess},

@@ -171,8 +171,9 @@ LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginR
                           const std::optional<Notch>& notch) {
   LoopProposal out;
   out.notch = notch;
-  double begin = 0.0;   // of the range that keeps the rule
-  double inside = 0.0;  // slowest loop whose crossings were measured
+  double begin = 0.0;    // of the range that keeps the rule
+  double inside = 0.0;   // slowest loop whose crossings were measured
+  bool limited = false;  // since the fastest loop that keeps it
   for (double omega = kSlowest; omega < kPi / plant.period; omega *= kFiner) {
     const std::vector<Response> loop = measured_loop(plant, {mass, omega, notch});
     const Judged judged = judge_measured(plant, loop);
@@ -180,12 +181,17 @@ LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginR
     if (m.inside && inside == 0.0) inside = omega;
     if (keeps(m, rule)) {
       if (begin == 0.0) begin = omega;
-      out.omega = omega;
-      out.margins = m;
+      out = {.omega = omega, .margins = m, .notch = notch};
+      limited = false;
       continue;
     }
     const bool wide = begin > 0.0 && (begin <= 0.5 * omega || begin == inside);
-    if (wide || (m.inside && out.limit_at == 0.0)) say_limit(plant, judged, m, rule, out);
+    LoopProposal said = out;
+    if (wide || (m.inside && out.limit_at == 0.0)) say_limit(plant, judged, m, rule, said);
+    if (!limited || !wide) out = said;
+    limited = limited || wide;
+    // A line that is poorly known, at a ripple of the screw, is no reason to stay below it: faster loops may be sure again.
+    if (wide && said.unsure) continue;
     if (wide) break;
     // A narrow range between two that violate the rule is no place for a loop.
     begin = out.omega = 0.0;

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/sim/study/held_drive.hpp>
@@ -106,6 +108,22 @@ TEST(MeasuredLoop, TheProposalKeepsTheRuleAndTheNextOneDoesNot) {
 TEST(MeasuredLoop, SaysWhereTheIntervalLimitsAndNotTheLoop) {
   EXPECT_FALSE(propose_loop(plant({}, 0.001), kMass, kRule).unsure);
   EXPECT_TRUE(propose_loop(plant({}, 0.2), kMass, kRule).unsure);
+}
+
+// A line at the ripple of the screw is poorly known: a loop ten times as slow was proposed, beside a present one that keeps the rule.
+TEST(MeasuredLoop, OnePoorlyKnownLineIsNoLimit) {
+  MeasuredPlant p = plant({}, 0.02);
+  const LoopProposal before = propose_loop(p, kMass, kRule);
+  const auto line = static_cast<std::size_t>(
+      std::lower_bound(p.omega.begin(), p.omega.end(), 0.3 * before.omega) - p.omega.begin());
+  p.half_width.at(line) = 0.9;
+  double least = 10.0;
+  for (double omega = 0.05 * before.omega; omega < 0.3 * before.omega; omega *= 1.01)
+    least = std::min(least, measured_margins(p, {kMass, omega, {}}).sure_phase);
+  EXPECT_LT(least, kRule.phase);
+  const LoopProposal found = propose_loop(p, kMass, kRule);
+  EXPECT_DOUBLE_EQ(found.omega, before.omega);
+  EXPECT_DOUBLE_EQ(found.limit_at, before.limit_at);
 }
 
 TEST(MeasuredLoop, WhatIsNotMeasuredIsNotProposed) {
