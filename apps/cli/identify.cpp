@@ -167,7 +167,16 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
   return 0;
 }
 
-int run_identify(const IdentifyCommand& o) {
+/// A machine file stands first, wherever it was given. The side file of a log is none.
+void put_machine_first(std::vector<std::string>& files) {
+  const auto machine = std::find_if(files.begin(), files.end(), [](const std::string& path) {
+    return is_machine(path) && describes_machine(path);
+  });
+  if (machine != files.end()) std::rotate(files.begin(), machine, machine + 1);
+}
+
+int run_identify(IdentifyCommand o) {
+  put_machine_first(o.logs);
   const IdentifyOptions options = identify_options(o);
   check_options(options);
   if (o.inspect) check_inspect(o);

@@ -318,6 +318,18 @@ TEST(BadUsage, IsOneLineAndTwo) {
   EXPECT_EQ(folder.files(), 0U);
 }
 
+// A machine file in the place of another file is called so; among the logs of identify it may stand anywhere.
+TEST(BadUsage, FilesInTheWrongPlace) {
+  const Folder folder;
+  const std::string log = folder.write("log.csv", "[Scope]\nt [s],x [mm],f [N]\n0,1,2\n1,2,3\n2,3,4\n");
+  expect_refused(command({"verify", kMachine, log}), {"is a machine file", "expected an axis file"});
+  expect_refused(command({"excite", log, "--method", "sine", "--axis", "x", "-o", folder / "r.csv"}),
+                 {"log.csv", "expected a machine file"});
+  const Said last = command({"identify", log, kMachine}), first = command({"identify", kMachine, log});
+  EXPECT_EQ(last.err, first.err);
+  EXPECT_EQ(last.code, first.code);
+}
+
 TEST(BadUsage, WhatCannotBeSimulatedIsSaidInItsRow) {
   // Unstable, too slow: the rows that cannot be simulated say so, the others stand.
   Folder folder;

@@ -134,7 +134,7 @@ TEST(Verify, SaysWhatIsWrong) {
   EXPECT_EQ(machine.code, 2);
   EXPECT_EQ(std::count(machine.err.begin(), machine.err.end(), '\n'), 1) << machine.err;
   EXPECT_THAT(machine.err,
-              AllOf(HasSubstr("biaxial-table.toml"), HasSubstr("more problems"), HasSubstr("axis file")));
+              AllOf(HasSubstr("biaxial-table.toml"), HasSubstr("is a machine file"), HasSubstr("axis file")));
   EXPECT_EQ(said({axis, log, "--json", axis}).code, 2);  // would overwrite an input
   EXPECT_EQ(text_of(axis), kAxis);
   EXPECT_EQ(said({axis, log, "--force-shift", "3"}).code, 2);

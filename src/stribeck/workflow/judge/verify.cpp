@@ -100,6 +100,11 @@ std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
     rotary = file.rotary.value_or(false);
   };
   for (const std::string& path : o.axis_files) {
+    if (describes_machine(path))
+      throw io::InputError(
+          {path, 0, "axes",
+           "is a machine file, expected an axis file as identify -o writes it (give it behind the "
+           "machine file, and the log last)"});
     const auto file =
         read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
     add(path, file, file.axis.value_or(""));

@@ -125,7 +125,16 @@ sim::AxisFile read_axis_file(const std::string& file) {
   return io::read_toml<sim::AxisFile>(file);
 }
 
-MachineDescription read_description(const std::string& file) { return described(io::load_toml(file), file); }
+MachineDescription read_description(const std::string& file) {
+  try {
+    return described(io::load_toml(file), file);
+  } catch (const io::NotToml& e) {
+    if (file.ends_with(".toml")) throw;
+    io::Problem why = e.problems().front();
+    why.message += " (expected a machine file; a log is none)";
+    throw io::InputError(std::move(why));
+  }
+}
 
 MachineDescription parse_description(std::string_view text, const std::string& file) {
   return described(io::parse_toml(text, file), file);
