@@ -117,6 +117,7 @@ struct Result {
   double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]; 0: none was found
   std::optional<double> given_shift{};     ///< given time by which the force is later than its motion [s]
   std::optional<ForceFilter> filter{};     ///< of the drive, that was taken off the force before the fit
+  bool level_drifts = false;               ///< friction rises or falls over the time of a log
   double load = 0.0;                       ///< constant force against +x, e.g. a weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;

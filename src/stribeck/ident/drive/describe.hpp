@@ -57,6 +57,6 @@ struct DriftWords {
 };
 
 /// Judged on the longest log.
-DriftWords words_of_drift(const Found& found);
+DriftWords words_of_drift(const Found& found, const LevelDrift& drift);
 
 }  // namespace stribeck::ident::drive

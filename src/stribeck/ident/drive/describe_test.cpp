@@ -122,14 +122,14 @@ TEST(Describe, StaticFrictionIsToldBySlowRowsAlone) {
 }
 
 TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
-  const DriftWords none = words_of_drift(Steps().found());
+  const DriftWords none = words_of_drift(Steps().found(), {});
   EXPECT_THAT(none.offset, IsEmpty());
   EXPECT_THAT(none.friction, IsEmpty());
   const DriftWords friction =
-      words_of_drift(Steps([](double t, double v) { return (v > 0.0 ? -8.0 : 8.0) * t; }).found());
+      words_of_drift(Steps([](double t, double v) { return (v > 0.0 ? -8.0 : 8.0) * t; }).found(), {});
   EXPECT_THAT(friction.offset, IsEmpty());
   EXPECT_THAT(friction.friction, HasSubstr("friction fell by"));
-  const DriftWords offset = words_of_drift(Steps([](double t, double) { return 8.0 * t; }).found());
+  const DriftWords offset = words_of_drift(Steps([](double t, double) { return 8.0 * t; }).found(), {});
   EXPECT_THAT(offset.offset, HasSubstr("the offset of the force rose by"));
   EXPECT_THAT(offset.friction, IsEmpty());
 }
@@ -137,7 +137,7 @@ TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
 // Friction that falls by a quarter at every speed: 2/7 of its mean over the record, far less than of that near zero.
 TEST(Describe, ADriftIsAShareOfTheFrictionAtItsSpeeds) {
   const Steps steps([](double t, double v) { return -0.25 * t * ((v > 0.0 ? 40.0 : -40.0) + 900.0 * v); });
-  const std::string words = words_of_drift(steps.found()).friction;
+  const std::string words = words_of_drift(steps.found(), {}).friction;
   const auto at = words.find('(');
   ASSERT_NE(at, std::string::npos);
   EXPECT_NEAR(std::stod(words.substr(at + 1)), 100.0 * 2.0 / 7.0, 3.0) << words;

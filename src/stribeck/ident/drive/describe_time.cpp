@@ -274,10 +274,11 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
     if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
       notes.cannot_tell.push_back(text(
           "pre-sliding is not determinable from this log: with the shift between force and motion unknown, "
-          "its break-away distance may be anything from %s to %s; record the commanded position too, "
-          "or give --force-shift",
+          "its break-away distance may be anything from %s to %s; %s, or give --force-shift",
           shown.length(fit.break_away_interval.low).c_str(),
-          shown.length(fit.break_away_interval.high).c_str()));
+          shown.length(fit.break_away_interval.high).c_str(),
+          log.records.front().r.empty() ? "record the commanded position too"
+                                        : "a log of excite --method multisine tells the shift"));
       return;
     }
   }
@@ -323,7 +324,7 @@ void add_places(Result& result, const PlaceShares& along, const Shown& shown, No
       shown.length(along.places[along.places.size() - 1].position).c_str()));
 }
 
-DriftWords words_of_drift(const Found& found) {
+DriftWords words_of_drift(const Found& found, const LevelDrift& drift) {
   DriftWords out;
   const Rows& rows = found.rows;
   const auto records = found.log.records;
@@ -368,16 +369,24 @@ DriftWords words_of_drift(const Found& found) {
   double level = 0.0;
   for (const std::size_t i : used)
     level += friction(std::abs(velocity_of(found.log, rows, i))) / static_cast<double>(used.size());
-  const char* what[2] = {"the offset of the force", "friction"};
-  for (Index j = 0; j < 2; ++j) {
-    const double half = uncertainty.half_width(VectorXd::Unit(2, j));
-    // Slow noise sometimes looks like a drift: the limit is twice the interval.
-    if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(slow)) continue;
-    (j == 0 ? out.offset : out.friction) = text(
+  const auto words = [&](const char* what, double rise) {
+    return text(
         "%s %s by %s (%.2g %% of the mean friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
-        what[j], x(j) > 0 ? "rose" : "fell", Shown(rec).force(std::abs(x(j))).c_str(),
-        100.0 * std::abs(x(j) / level), rec.source.c_str());
-  }
+        what, rise > 0 ? "rose" : "fell", Shown(rec).force(std::abs(rise)).c_str(),
+        100.0 * std::abs(rise / level), rec.source.c_str());
+  };
+  // Slow noise sometimes looks like a drift: the limit is twice the interval.
+  const auto seen = [&](Index j) {
+    const double half = uncertainty.half_width(VectorXd::Unit(2, j));
+    return std::abs(x(j)) >= 2.0 * half && std::abs(x(j)) >= kWorthSaying * std::abs(slow);
+  };
+  if (seen(0)) out.offset = words("the offset of the force", x(0));
+  // Errors of the curve hide a drift here that shows at equal speeds.
+  const double rise = level * drift.rise(static_cast<std::size_t>(rows.record[used.front()]));
+  if (seen(1))
+    out.friction = words("friction", x(1));
+  else if (std::abs(rise) >= kWorthSaying * std::abs(slow))
+    out.friction = words("friction", rise);
   return out;
 }
 

@@ -409,6 +409,7 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
   add_places(result, fitted.placed.along, Shown(fitted.placed.stage.log.records.front()), notes);
   if (options.dynamics) add_bristle(result, fitted.found(), notes);
   result.open = open_model(fitted.found(), result);
+  result.level_drifts = !drift.friction.empty();
   for (const std::string& words : {drift.offset, drift.friction}) {
     if (!words.empty()) notes.warn(words);
   }
@@ -426,14 +427,14 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
     before_filter = std::move(before->records);  // the fit goes on pointing to them
     found = std::move(before->fitted);
   }
-  DriftWords drift = words_of_drift(found.found());
+  DriftWords drift = words_of_drift(found.found(), found.drift);
   if (found.steady.empty()) return finished(std::move(found), options, drift);
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
   Fitted level = fit_both(found.steady, options, &found.drift);
   if (!(level.result.held_out_rms < found.result.held_out_rms))
     return finished(std::move(found), options, drift);
   // The drift of friction that was taken out is still said.
-  drift.offset = words_of_drift(level.found()).offset;
+  drift.offset = words_of_drift(level.found(), level.drift).offset;
   return finished(std::move(level), options, drift);
 }
 

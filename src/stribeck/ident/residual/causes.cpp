@@ -251,6 +251,8 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
     most = std::max(most, mean[i] - middle);
   }
   if (first == kPlaces || static_cast<double>(last + 1 - first) > kWidestSpot * kPlaces) return;
+  // A stroke of a cold axis, which alone came here, looks the same.
+  if (rows.drifts && !(passed[0] && passed[1])) return;
   const auto place = [&](std::size_t i) {
     return rows.shown().length(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
   };

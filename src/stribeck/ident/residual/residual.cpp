@@ -73,6 +73,7 @@ class Collector {
     rows_.force_unit = result.force_unit;
     rows_.position_unit = result.position_unit;
     rows_.rotary = !records.empty() && records.front().rotary;
+    rows_.drifts = result.level_drifts;
     for (const log::Record& r : records) add(r);
   }
 

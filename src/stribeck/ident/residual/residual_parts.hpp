@@ -48,6 +48,7 @@ struct Rows {
   std::string force_unit;
   std::string position_unit;
   bool rotary = false;  ///< positions are arcs at a radius of 1 m
+  bool drifts = false;  ///< the level of friction rises or falls over time
 
   /// Whether the position is an angle in radians.
   [[nodiscard]] bool turns() const noexcept { return rotary || position_unit == "rad"; }

@@ -135,6 +135,24 @@ TEST(LevelDrift, IsTakenOutOfTheForce) {
   EXPECT_LT(worst_after, 0.5 * worst_before);
 }
 
+// Single strokes, each at a speed of its own: no speed occurs at two times.
+TEST(LevelDrift, ShowsBetweenNeighbouringSpeeds) {
+  constexpr int kStrokes = 40;
+  for (const double warming : {0.25, 0.0}) {
+    Axis axis;
+    axis.warming = warming;
+    axis.add(2.0 * kStrokes, [](double t) {
+      const double k = std::floor(0.5 * t);
+      const double speed = 0.01 + 0.09 * std::fmod(0.618 * k, 1.0);
+      return std::fmod(t, 2.0) < 1.0 ? speed : -speed;
+    });
+    const Fitted f = fitted(axis);
+    EXPECT_EQ(f.drift.found(), warming > 0.0);
+    const double mean = 0.25 * (axis.level(0.0) + 2.0 * axis.level(40.0) + axis.level(80.0));
+    EXPECT_NEAR(f.drift.rise(0), (axis.level(80.0) - axis.level(0.0)) / mean, 0.03);
+  }
+}
+
 TEST(LevelDrift, IsNothingWhereTheLevelStays) {
   const Fitted f = fitted(jogs_and_sine(0.0));
   EXPECT_FALSE(f.drift.found());
