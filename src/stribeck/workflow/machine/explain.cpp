@@ -110,7 +110,12 @@ class Explanation {
                       force_text(*rated / 1e3), significant(*rated / 100.0, 6), u_.force, both));
       if (r)
         add("travel per turn",
-            fmt::format("{} {} of the motor", significant(2.0 * u_.per_metre * kPi * *r, 6), u_.travel));
+            fmt::format("{} {} of the motor", significant(2.0 * u_.per_metre * kPi * *r, 6), u_.travel),
+            a_.drive->gear < 1.0
+                ? fmt::format(
+                      "the gear speeds up, {0} turns for one of the motor: a reduction is written {0} or {0}:1",
+                      significant(1.0 / a_.drive->gear, 4))
+                : std::string());
       out_.numbers["force_at_100_percent_N"] = *rated;
     }
     if (per_volt > 0.0) add(a_.rotary ? "torque per volt" : "force per volt", force_text(per_volt) + "/V");
