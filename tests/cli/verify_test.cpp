@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <tests/cli/command.hpp>
@@ -22,16 +23,18 @@ const std::string kController =
     "[controller]\nkind = \"pd\"\nstiffness = \"400000 N/m\"\ndamping = \"12000 N s/m\"\n";
 
 /// x = A·(1 − cos wt) with the force that a rigid axis with this friction needs, read as a control would log it.
-std::string log_text(double coulomb, double spring = 0.0) {
+/// `backward`: friction in that direction, where it differs; `ripple`: a force with a period of 5 mm [N].
+std::string log_text(double coulomb, double spring = 0.0, double backward = 0.0, double ripple = 0.0) {
   std::string text = "t [s],r [mm],x [mm],f [N]\n";
   for (int k = 0; k < 2000; ++k) {
     const double w = 3.0;
     const double t = 0.002 * k;
     const double mid = t + 0.001;  // the force is held: that of the middle of the sample
     const double v = 0.02 * w * std::sin(w * mid);
-    const double f = 100.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v + (v > 0 ? coulomb : -coulomb);
+    const double f = 100.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v +
+                     (v > 0 ? coulomb : -(backward > 0.0 ? backward : coulomb));
     const double x = 20.0 * (1.0 - std::cos(w * t));
-    const double pull = spring * (x - 20.0);  // [N/mm]
+    const double pull = spring * (x - 20.0) + ripple * std::sin(2.0 * std::numbers::pi * x / 5.0);
     text += std::to_string(t) + ',' + std::to_string(x) + ',' + std::to_string(x) + ',' +
             std::to_string(f + pull) + '\n';
   }
@@ -97,6 +100,17 @@ TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
   const Said level = command({"verify", axis, folder.write("level.csv", log_text(26.0))});
   EXPECT_THAT(level.out + level.err, HasSubstr("friction that does not depend on the speed, 5.92 N more"));
   EXPECT_THAT(level.out + level.err, ::testing::Not(HasSubstr("grows with position")));
+}
+
+TEST(Verify, NamesFrictionOfOneDirectionAndWhatRepeats) {
+  const Folder folder;
+  const std::string axis = folder.write("axis.toml", kAxis);
+  const Said one = command({"verify", axis, folder.write("one.csv", log_text(20.0, 0.0, 26.0))});
+  EXPECT_THAT(one.out + one.err, HasSubstr("friction of one direction, 5.9"));
+  EXPECT_THAT(one.out + one.err, HasSubstr("N more backward"));
+  const Said wave = command({"verify", axis, folder.write("wave.csv", log_text(20.0, 0.0, 0.0, 5.0))});
+  EXPECT_THAT(wave.out + wave.err, HasSubstr("of what the model misses repeats with the position"));
+  EXPECT_THAT(wave.out + wave.err, HasSubstr("every 5 mm"));
 }
 
 TEST(Verify, NoticesAnotherAxisAndAnotherController) {

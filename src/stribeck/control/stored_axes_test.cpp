@@ -408,7 +408,10 @@ TEST_P(StoredAxes, AreThoseOfTheTable) { expect_stored(cases().at(GetParam()), k
 INSTANTIATE_TEST_SUITE_P(Runs, StoredAxes, ::testing::Range(std::size_t{0}, std::size(kStored)),
                          [](const auto& one) { return name_of(kStored[one.param]); });
 
-TEST(StoredAxesTable, HasEveryRun) { EXPECT_EQ(cases().size(), std::size(kStored)); }
+TEST(StoredAxesTable, HasEveryRun) {
+  if (printing()) return print(cases());
+  EXPECT_EQ(cases().size(), std::size(kStored));
+}
 
 }  // namespace
 }  // namespace stribeck::control::stored_axes_test

@@ -192,7 +192,10 @@ TEST_P(StoredForces, AreThoseOfTheTable) { expect_stored(cases().at(GetParam()),
 INSTANTIATE_TEST_SUITE_P(Runs, StoredForces, ::testing::Range(std::size_t{0}, std::size(kStored)),
                          [](const auto& one) { return name_of(kStored[one.param]); });
 
-TEST(StoredForcesTable, HasEveryRun) { EXPECT_EQ(cases().size(), std::size(kStored)); }
+TEST(StoredForcesTable, HasEveryRun) {
+  if (printing()) return print(cases());
+  EXPECT_EQ(cases().size(), std::size(kStored));
+}
 
 }  // namespace
 }  // namespace stribeck::control::stored_forces_test

@@ -80,8 +80,8 @@ class Scored {
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
     pick_moving_rows();
-    errors_ = errors_of_model();
     filed_ = force_of(model_.friction, motion_);
+    errors_ = errors_of_model();
     std::tie(out_.relative, out_.rms) = error_of(thin(filed_), 0.0, used_);
     if (options_.of_log) share_of_log();
     fit_own();
@@ -168,7 +168,9 @@ class Scored {
 
   /// What a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
   [[nodiscard]] MatrixXd errors_of_model() const {
-    std::array<Column, 5> columns;
+    // Sliding friction is that of v and sgn v; only bristles change it otherwise.
+    const bool bristles = friction::has_pre_sliding(model_.friction.dynamics);
+    std::vector<Column> columns(bristles ? 6 : 5);
     for (std::size_t k = 0; k < motion_.x.size(); ++k) {
       const double v = motion_.v[k];
       columns[0].push_back(motion_.a[k]);
@@ -176,6 +178,7 @@ class Scored {
       columns[2].push_back(v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
       columns[3].push_back(motion_.x[k] - motion_.x.front());
       columns[4].push_back(1.0);
+      if (bristles) columns[5].push_back(filed_[k] - model_.mass * motion_.a[k]);
     }
     MatrixXd X(static_cast<Index>(used_.size()), std::ssize(columns));
     for (Index j = 0; j < X.cols(); ++j) {

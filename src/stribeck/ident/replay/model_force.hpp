@@ -13,7 +13,8 @@
 /// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: −½ row and the model's delay, unless
 /// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
 /// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v,
-/// sgn v, x and 1 take what a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
+/// sgn v, x, 1 and the friction of a model with bristles take what a wrong mass, friction, load or a spring leaves: a model that is wrong in these is
+/// not late.
 ///
 /// These errors are shares of the force less the middle between the mean forces of both directions: a weight that hangs
 /// may be many times the force that moves the axis, and would hide what a model misses of that.

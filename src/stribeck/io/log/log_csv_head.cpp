@@ -1,5 +1,6 @@
 // The head of a CSV table: names, units, separator and decimal mark.
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <stribeck/io/error.hpp>
@@ -141,6 +142,17 @@ class HeadReader {
     }
   }
 
+  static bool is_blank_or_digit(char c) { return c == ' ' || (c >= '0' && c <= '9'); }
+
+  /// "CH1", "Channel 2": a name that says nothing.
+  static bool is_channel(const std::string& name) {
+    constexpr std::array<std::string_view, 6> kWords{"ch", "chan", "channel", "signal", "trace", "kanal"};
+    const auto word = std::find_if(name.begin(), name.end(), is_blank_or_digit);
+    const std::string first = lower_case({name.begin(), word});
+    return word != name.end() && std::find(kWords.begin(), kWords.end(), first) != kWords.end() &&
+           std::all_of(word, name.end(), is_blank_or_digit);
+  }
+
   /// "CH1: Feedback position [PUU]" above the table says what column CH1 is.
   [[nodiscard]] std::vector<std::string> with_legend(std::vector<std::string> headers) {
     std::size_t told = 0;
@@ -148,7 +160,7 @@ class HeadReader {
       const std::string name = unquoted(trimmed(header));
       const auto found = std::find_if(head_.log.metadata.begin(), head_.log.metadata.end(),
                                       [&](const auto& m) { return m.first == name; });
-      if (found == head_.log.metadata.end() || is_time_name(name) || found->second.empty() ||
+      if (found == head_.log.metadata.end() || !is_channel(name) || found->second.empty() ||
           looks_like_number(found->second))
         continue;
       header = found->second;

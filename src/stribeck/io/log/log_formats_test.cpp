@@ -519,6 +519,9 @@ TEST(LogFormats, UnitsAsMachinesSpellThem) {
 TEST(LogFormats, UnitsInHeadsAsToolsWriteThem) {
   const Log american = parse_log("t (s),x [cnt],torque (lb-in)\n0,1,2\n1,2,3\n2,3,4\n", "a.csv");
   EXPECT_EQ(american.columns[1].unit_text, "count");
+  const Log rates = parse_log("t (s),v [cnt/sec],w [counts/100ms]\n0,1,2\n1,2,3\n2,3,4\n", "a.csv");
+  EXPECT_EQ(rates.columns[1].unit_text, "count/s");
+  EXPECT_EQ(rates.columns[2].unit_text, "count/s");
   EXPECT_NEAR(in_si(american.at("torque"), quantity("N m", "N m"))[0], 2.0 * 0.1129848, 1e-6);
   // Quantity over unit counts where every column is written so.
   const Log slashes = parse_log("t/ms;s_ist/mm;v/mm/s;M_ist/Nm\n0;1;2;3\n1;2;3;4\n2;3;4;5\n", "b.csv");

@@ -239,6 +239,21 @@ TEST(Spreadsheet, ALegendAboveTheTableNamesItsColumns) {
   EXPECT_EQ(log.at("Torque feedback").unit_text, "%");
 }
 
+// Only a name that says nothing is replaced: "# x: mm" is a remark.
+TEST(Spreadsheet, ARemarkOnAColumnIsNoName) {
+  const Log log = parse("# x: mm\n# f: N\nt [s],x [mm],f [N]\n0,1,2\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(log.at("x").unit_text, "mm");
+  EXPECT_EQ(log.at("f").unit_text, "N");
+  EXPECT_EQ(parse("Position;mm\nForce;N\nt [s];Position;Force\n0;1;2\n1;2;3\n2;3;4\n").columns.at(1).header,
+            "Position");
+}
+
+TEST(Spreadsheet, GroupsWithATimeEachTellTheAxis) {
+  const Log log = parse(
+      "Axis X;;Axis Y;\nTime [s];Position [mm];Time [s];Actual position [mm]\n0;1;0;2\n1;2;1;3\n2;3;2;4\n");
+  EXPECT_EQ(log.columns.at(1).header, "Axis X Position [mm]");
+}
+
 TEST(Spreadsheet, ATimeBesideEachSignalMakesNoGroups) {
   const Log log = parse(
       "Trace;Trace1\nResolution;us\n\nTime [us];PRG.fActPosition;Time [us];PRG.fActTorque\n0;1.5;0;2\n1000;1.6;1000;3\n2000;1.7;2000;4\n");

@@ -127,6 +127,23 @@ bool keeps(const MeasuredMargins& m, const MarginRule& rule) {
   return m.stable && m.inside && m.sure_phase >= rule.phase && m.sure_gain >= rule.gain;
 }
 
+/// Whether the margins themselves keep the rule, and only their intervals do not.
+bool keeps_nominally(const MeasuredMargins& m, const MarginRule& rule) {
+  return m.stable && m.inside && m.phase >= rule.phase && std::min(m.gain_up, m.gain_down) >= rule.gain;
+}
+
+/// The first line that may be at −1 within its interval [rad/s]; 0: none. Margins look only at the lines where the loop crosses 1 or the
+/// real axis.
+double may_be_minus_one(const MeasuredPlant& plant, const std::vector<Response>& loop) {
+  constexpr double kClear = 0.1;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const double size = std::abs(loop[k]);
+    if (size < kHighGain && !(std::abs(1.0 + loop[k]) - plant.half_width[k] * size > kClear))
+      return plant.omega[k];
+  }
+  return 0.0;
+}
+
 /// What a loop violates, and where.
 void say_limit(const MeasuredPlant& plant, const Judged& judged, const MeasuredMargins& m,
                const MarginRule& rule, LoopProposal& out) {
@@ -134,8 +151,7 @@ void say_limit(const MeasuredPlant& plant, const Judged& judged, const MeasuredM
               : m.sure_gain < rule.gain   ? LoopLimit::kGain
               : m.sure_phase < rule.phase ? LoopLimit::kPhase
                                           : LoopLimit::kUnstable;
-  out.unsure = (out.limit == LoopLimit::kPhase && m.phase >= rule.phase) ||
-               (out.limit == LoopLimit::kGain && std::min(m.gain_up, m.gain_down) >= rule.gain);
+  out.unsure = keeps_nominally(m, rule);
   out.limit_at = out.limit == LoopLimit::kGain       ? m.critical
                  : out.limit == LoopLimit::kMeasured ? plant.omega.back()
                                                      : judged.phase_at;
@@ -174,12 +190,20 @@ LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginR
   double begin = 0.0;    // of the range that keeps the rule
   double inside = 0.0;   // slowest loop whose crossings were measured
   bool limited = false;  // since the fastest loop that keeps it
+  bool passed_over = false;
   for (double omega = kSlowest; omega < kPi / plant.period; omega *= kFiner) {
     const std::vector<Response> loop = measured_loop(plant, {mass, omega, notch});
     const Judged judged = judge_measured(plant, loop);
     const MeasuredMargins m = finished(judged, plant, loop);
     if (m.inside && inside == 0.0) inside = omega;
     if (keeps(m, rule)) {
+      // Behind loops that were passed over, the lines that made them unsure must be harmless.
+      const double unsure_at = passed_over ? may_be_minus_one(plant, loop) : 0.0;
+      if (unsure_at > 0.0) {
+        if (!limited) out.limit = LoopLimit::kPhase, out.unsure = true, out.limit_at = unsure_at;
+        limited = true;
+        continue;
+      }
       if (begin == 0.0) begin = omega;
       out = {.omega = omega, .margins = m, .notch = notch};
       limited = false;
@@ -191,6 +215,7 @@ LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginR
     if (!limited || !wide) out = said;
     limited = limited || wide;
     // A line that is poorly known, at a ripple of the screw, is no reason to stay below it: faster loops may be sure again.
+    passed_over = passed_over || (wide && said.unsure);
     if (wide && said.unsure) continue;
     if (wide) break;
     // A narrow range between two that violate the rule is no place for a loop.

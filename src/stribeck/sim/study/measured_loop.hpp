@@ -71,7 +71,8 @@ enum class LoopLimit { kPhase, kGain, kMeasured, kUnstable };
 
 struct LoopProposal {
   /// The fastest ω0 of the first range that keeps the rule throughout and reaches down to a half of it, or to the slowest loop whose
-  /// crossings were measured [rad/s]; 0: none. A loop in between that only the interval of a line makes unsure does not end the range.
+  /// crossings were measured [rad/s]; 0: none. A loop in between that only the interval of a line makes unsure does not end the range, where
+  /// no line of the faster one reaches −1 within its interval.
   double omega = 0.0;
   MeasuredMargins margins;
   LoopLimit limit = LoopLimit::kPhase;

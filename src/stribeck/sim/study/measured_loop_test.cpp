@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <cmath>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/sim/study/held_drive.hpp>
@@ -124,6 +123,18 @@ TEST(MeasuredLoop, OnePoorlyKnownLineIsNoLimit) {
   const LoopProposal found = propose_loop(p, kMass, kRule);
   EXPECT_DOUBLE_EQ(found.omega, before.omega);
   EXPECT_DOUBLE_EQ(found.limit_at, before.limit_at);
+}
+
+// A band that is poorly known in front of the crossover may hide anything: no loop beyond it is sure.
+TEST(MeasuredLoop, APoorlyKnownBandIsALimit) {
+  MeasuredPlant p = plant({}, 0.02);
+  const LoopProposal before = propose_loop(p, kMass, kRule);
+  for (std::size_t k = 0; k < p.omega.size(); ++k) {
+    if (p.omega[k] > 0.8 * before.omega && p.omega[k] < before.omega) p.half_width[k] = 0.9;
+  }
+  const LoopProposal found = propose_loop(p, kMass, kRule);
+  EXPECT_LT(found.omega, 0.6 * before.omega);
+  EXPECT_TRUE(found.unsure);
 }
 
 TEST(MeasuredLoop, WhatIsNotMeasuredIsNotProposed) {

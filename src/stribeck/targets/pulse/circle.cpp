@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stribeck/targets/pulse/circle.hpp>
 
 namespace stribeck::targets {
@@ -7,6 +8,9 @@ namespace stribeck::targets {
 namespace {
 
 constexpr double kAccuracy = 1e-8;  ///< of the simulated contour error [m]
+constexpr double kShareOfError =
+    5e-4;  ///< of the error without a pulse, that the simulation of a larger one may miss
+constexpr double kCoarse = 1e-6;  ///< at most [m]
 
 sim::Travel circle_travel(double radius, double feed, double laps) {
   sim::Travel t;
@@ -45,8 +49,13 @@ Circle::Circle(const CircleAxes& axes, double radius, double feed, double laps, 
       drives_(axes.machine, {0, 1}, 1.2 * feed),
       substeps_(substeps) {
   if (substeps_ > 0) return;
+  const auto choose = [&](double accuracy) {
+    substeps_ = sim::choose_substeps<2>(drives_, controller(sim::FrictionUse::kNone), route_, accuracy);
+  };
   try {
-    substeps_ = sim::choose_substeps<2>(drives_, controller(sim::FrictionUse::kNone), route_, kAccuracy);
+    choose(kCoarse);
+    const double accuracy = std::max(kAccuracy, kShareOfError * without().quadrant);
+    if (accuracy < kCoarse) choose(accuracy);
   } catch (const sim::Refused& e) {
     throw sim::Refused(fmt::format(
         "{}; this was a circle of {:.4g} mm at {:.4g} mm/s with the loop {}: give the loop of the machine with --controller, or another circle with --speed and --size",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/missed_force.hpp>
 #include <vector>
@@ -33,12 +34,105 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
+/// A force that repeats with the position.
+struct Repeats {
+  double period = 0.0;     ///< [m]
+  double amplitude = 0.0;  ///< [N]
+  double share = 0.0;      ///< of the squares
+};
+
+/// Squares that a wave of this many periods for each metre explains over some rows.
+struct Wave {
+  double ss = 0.0, sc = 0.0, cc = 0.0, sd = 0.0, cd = 0.0, dd = 0.0;
+  void add(double angle, double missed) {
+    const double s = std::sin(angle), c = std::cos(angle);
+    ss += s * s, sc += s * c, cc += c * c, sd += s * missed, cd += c * missed, dd += missed * missed;
+  }
+  /// Amplitudes of sine and cosine; 0 where the rows do not tell both.
+  [[nodiscard]] std::array<double, 2> amplitudes() const {
+    const double det = ss * cc - sc * sc;
+    if (!(det > 0.1 * ss * cc)) return {};
+    return {(cc * sd - sc * cd) / det, (ss * cd - sc * sd) / det};
+  }
+  /// Share of the squares that these amplitudes explain; below 0 where they make it worse.
+  [[nodiscard]] double share(const std::array<double, 2>& a) const {
+    const double left =
+        a[0] * a[0] * ss + 2.0 * a[0] * a[1] * sc + a[1] * a[1] * cc - 2.0 * (a[0] * sd + a[1] * cd);
+    return dd > 0.0 ? -left / dd : 0.0;
+  }
+};
+
+/// The best period from half the travel to a three-hundredth of it, in moving rows. Both halves of the rows must have it.
+Repeats repeats_with(const std::vector<double>& place, const std::vector<double>& missed,
+                     const std::vector<double>& velocity, double slow) {
+  constexpr double kLongest = 0.5, kMost = 300.0, kFiner = 4.0, kAgreed = 0.5;
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    if (std::abs(velocity[k]) > slow) rows.push_back(k);
+  }
+  const auto [low, high] = std::minmax_element(place.begin(), place.end());
+  const double travel = *high - *low;
+  Repeats best;
+  if (!(travel > 0.0) || rows.size() < 100) return best;
+  for (double per_travel = 1.0 / kLongest; per_travel <= kMost; per_travel += 1.0 / kFiner) {
+    const double per_metre = 2.0 * kPi * per_travel / travel;
+    std::array<Wave, 2> half;
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      half[2 * j < rows.size() ? 0 : 1].add(per_metre * (place[rows[j]] - *low), missed[rows[j]]);
+    Wave all = half[0];
+    all.ss += half[1].ss, all.sc += half[1].sc, all.cc += half[1].cc;
+    all.sd += half[1].sd, all.cd += half[1].cd, all.dd += half[1].dd;
+    const std::array<double, 2> a = all.amplitudes();
+    const double share = all.share(a);
+    // What the first half tells holds in the second one.
+    if (share > best.share && half[1].share(half[0].amplitudes()) > kAgreed * share)
+      best = {travel / per_travel, std::hypot(a[0], a[1]), share};
+  }
+  return best;
+}
+
+constexpr double kShare = 0.5;  ///< of what is missed, that one quantity explains
+
+/// Levels of both directions, fitted together: a log may be longer in one of them.
+struct OfDirections {
+  double forward = 0.0, backward = 0.0;  ///< against the motion [N]
+  double share = 0.0;                    ///< of the squares
+};
+OfDirections directions(const std::vector<double>& missed, const std::vector<double>& velocity, double slow) {
+  std::array<double, 2> sum{}, rows{};
+  double all = 0.0;
+  for (std::size_t k = 0; k < missed.size(); ++k) {
+    all += missed[k] * missed[k];
+    if (std::abs(velocity[k]) <= slow) continue;
+    const std::size_t side = velocity[k] > 0.0 ? 0 : 1;
+    sum[side] += missed[k], rows[side] += 1.0;
+  }
+  constexpr double kFewest = 0.1;  // of the rows, in either direction
+  const double n = static_cast<double>(missed.size());
+  if (!(all > 0.0) || !(std::min(rows[0], rows[1]) > kFewest * n)) return {};
+  return {sum[0] / rows[0], -sum[1] / rows[1], (sum[0] * sum[0] / rows[0] + sum[1] * sum[1] / rows[1]) / all};
+}
+
+/// Friction of one direction alone, where both levels explain clearly more than any quantity alone.
+std::string one_direction(const OfDirections& of, double others, const ident::Shown& shown) {
+  constexpr double kOther = 0.35;    // of one direction, that the other one misses at most
+  constexpr double kClearly = 0.85;  // of the share, that any other quantity explains at most
+  const double most = std::max(std::abs(of.forward), std::abs(of.backward));
+  if (!(of.share > kShare) || !(others < kClearly * of.share) ||
+      !(std::min(std::abs(of.forward), std::abs(of.backward)) < kOther * most))
+    return {};
+  const bool ahead = std::abs(of.forward) > std::abs(of.backward);
+  return fmt::format(
+      "friction of one direction, {} {} {}: a gib, a cover or a weight that changed (identify this log)",
+      shown.force(most), (ahead ? of.forward : of.backward) > 0.0 ? "more" : "less",
+      ahead ? "forward" : "backward");
+}
+
 }  // namespace
 
 std::string missed_in_words(const std::string& file, const friction::AxisModel& model,
                             const ident::replay::ForceError& e, const ident::log::Record& record) {
   constexpr double kMuch = 0.05;    // of the force
-  constexpr double kShare = 0.5;    // of what is missed
   constexpr double kNearly = 0.05;  // of it: a spring is as likely
   if (!(e.own_relative > kMuch) || e.row.size() < 3) return {};
   const std::size_t n = e.row.size();
@@ -71,11 +165,22 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
         file, 100.0 * (load.share + spring.share), shown.force_per_length(spring.by),
         model.friction.spring ? ", which is another one than that of the file" : "");
   }
-  if (!(best > kShare)) return {};
   const auto sentence = [&](const Alone& part, const std::string& what) {
     return fmt::format("{}: {:.0f} % of what the model misses is {}", file, 100.0 * part.share, what);
   };
   const auto more = [](double by) { return by > 0.0 ? "more" : "less"; };
+  const OfDirections of = directions(missed, e.velocity, kMoves * top);
+  if (const std::string what = one_direction(of, best, shown); !what.empty())
+    return sentence({0.0, of.share}, what);
+  if (!(best > kShare)) {
+    Repeats r = repeats_with(place, varying, e.velocity, kMoves * top);
+    r.share *= 1.0 - load.share;
+    if (!(r.share > kShare)) return {};
+    return fmt::format(
+        "{}: {:.0f} % of what the model misses repeats with the position, {} every {}: a screw, a gear or cogging that the file does not "
+        "hold, or holds with another phase (identify this log)",
+        file, 100.0 * r.share, shown.force(r.amplitude), shown.length(r.period));
+  }
   if (best == load.share)
     return sentence(
         load,

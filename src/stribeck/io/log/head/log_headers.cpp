@@ -25,14 +25,10 @@ bool is_count_word(std::string_view unit) {
                      [&](const auto& s) { return s.first == unit && s.second == "count"; });
 }
 
-/// "cnt/sec": increments by a time.
+/// "cnt/sec", "counts/100ms": increments by something.
 bool is_count_rate(std::string_view unit) {
-  constexpr std::array<std::string_view, 6> kTimes{"s", "sec", "second", "ms", "msec", "min"};
   const auto slash = unit.find('/');
-  if (slash == std::string_view::npos) return false;
-  const std::string time = lower_case(std::string(trimmed(unit.substr(slash + 1))));
-  return is_count_word(trimmed(unit.substr(0, slash))) &&
-         std::find(kTimes.begin(), kTimes.end(), time) != kTimes.end();
+  return slash != std::string_view::npos && is_count_word(trimmed(unit.substr(0, slash)));
 }
 
 /// The plain unit of a spelling of controls; "" for others.
@@ -245,6 +241,7 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
   }
   if (unit.empty()) return unit;
   if (const auto plain = spelling_of(unit); !plain.empty()) return std::string(plain);
+  if (is_count_rate(unit)) return "count/s";
   const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
   if ((!number || unit == "1") && !is_user_unit(unit) && is_unit(unit)) return unit;
   notes.push_back("column " + in_quotes(column) + ": unit " + in_quotes(unit) + " is not known");
@@ -297,10 +294,9 @@ std::vector<std::string> under_groups(const Cells& groups, const Cells& names, N
   return all;
 }
 
-/// A time may stand beside each signal.
-bool has_twice(const Cells& names) {
+bool has_twice(const Cells& names, bool times_too) {
   return std::any_of(names.begin(), names.end(), [&](std::string_view name) {
-    return !is_blank_cell(name) && !is_time_name(unquoted(trimmed(name))) &&
+    return !is_blank_cell(name) && (times_too || !is_time_name(unquoted(trimmed(name)))) &&
            std::count(names.begin(), names.end(), name) > 1;
   });
 }
@@ -363,7 +359,9 @@ std::vector<std::string> names_of_columns(std::string_view header, std::string_v
   }
   if (const auto pairs = twincat_pairs(names, cells, notes)) return *pairs;
   const Cells groups = split(above, separator);
-  if (separator != ' ' && has_twice(names) && filled_of(groups) >= 2 && groups.size() <= names.size())
+  // A time beside each signal stands twice too, as in CODESYS, whose head ends with a key and its value.
+  const bool twice = has_twice(names, false) || (groups.size() > 2 && has_twice(names, true));
+  if (separator != ' ' && twice && filled_of(groups) >= 2 && groups.size() <= names.size())
     return under_groups(groups, names, notes);
   return {names.begin(), names.end()};
 }

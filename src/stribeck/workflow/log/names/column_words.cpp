@@ -330,6 +330,8 @@ void drop_part_of_drive(std::string& axis, std::string& name) {
 std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts, const std::string& unit) {
   std::vector<Word> words;
   for (const std::string& part : parts) {
+    // "Position Present", "Speed Active": a flag.
+    if ((part == "present" || part == "active") && &part != &parts.front()) return std::nullopt;
     const auto variable = std::find_if(kVariables.begin(), kVariables.end(),
                                        [&](const words::Variable& v) { return v.name == part; });
     if (variable != kVariables.end()) {

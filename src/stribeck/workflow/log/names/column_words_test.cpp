@@ -175,8 +175,9 @@ TEST(ColumnWords, UnitTellsTheQuantityOfActualAndCommanded) {
 }
 
 TEST(ColumnWords, OtherNamesHaveNoMeaning) {
-  for (const char* name : {"", "PosError", "following error", "Position Velocity", "actual", "motor", "x",
-                           "state", "r0002", "run", "temperature", "current limit", "..."})
+  for (const char* name :
+       {"", "PosError", "following error", "Position Velocity", "actual", "motor", "x", "state", "r0002",
+        "run", "temperature", "current limit", "...", "Position Present", "Speed Active"})
     EXPECT_FALSE(meaning_of(name)) << name;
   EXPECT_FALSE(meaning_of(std::string(100000, 'v')));
 }
