@@ -405,7 +405,9 @@ PlantFit fit_plant(const Response& response) {
   const Candidate* best = &all.front();
   bool beyond = false;
   const Candidate& lag = all.back();
-  if (lag.held_out < kFarBetter * best->held_out && lag.half[3] < kKnownLag && lag.fitted.p[2] > kLeastDelay)
+  // One that leaves more than the noise takes the place of something else, such as a resonance above the lines.
+  if (lag.held_out < kFarBetter * best->held_out && lag.excess < kMore && lag.half[3] < kKnownLag &&
+      lag.fitted.p[2] > kLeastDelay)
     best = &lag;
   for (const Candidate& c : all) {
     if (!elastic(c.structure) || !(c.held_out < kFarBetter * best->held_out)) continue;

@@ -13,7 +13,7 @@
 ///
 /// Weighted least squares on G_model/G − 1. The model: least error on lines that its fit did not see (every fifth, in turn), and of
 /// two masses only where that is far better than rigid and the resonance is known to 10 %, below the highest line; a lag only where it is
-/// as much better and known to a third.
+/// as much better, known to a third, and leaves no more than three times the noise.
 /// Intervals: 95 %, Student's t, widened by what the fit leaves beyond the noise. That of the mass is wider by |c|/ω of the highest line:
 /// bristles that relax faster than the lines show look like a mass of up to this size, and shift the resonance by half its share. Source: Pintelon, Schoukens 2012, ch. 9, 11;
 /// Åström, Wittenmark 1997, Computer-Controlled Systems, 2.3, 3.2.

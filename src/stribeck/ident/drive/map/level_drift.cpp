@@ -133,7 +133,11 @@ LevelDrift::LevelDrift(const AlignedLog& log, const Rows& rows, const map::Stati
   }
   const double over_time = whole.dot(share);
   for (const std::size_t g : logs.of_record) {
-    Course course{logs.begin[g], logs.end[g], {}};
+    Course course{logs.begin[g], logs.end[g], {}, 0.0};
+    const double slope = share(column(g, 1));
+    if (std::abs(slope) > kWorthCounting &&
+        std::abs(slope) > kSeen * uncertainty.half_width(VectorXd::Unit(Q, column(g, 1))))
+      course.rise = 2.0 * slope;
     for (Index order = g == 0 ? 1 : 0; order < kOrders; ++order)
       course.share[static_cast<std::size_t>(order)] = share(column(g, order));
     course.share[0] -= over_time;

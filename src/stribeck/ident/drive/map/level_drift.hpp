@@ -34,10 +34,8 @@ class LevelDrift {
   [[nodiscard]] double at(int side, double speed) const { return largest(side, speed, &Bin::away); }
   /// Half width of what is not known of that distance: what is left once the drift is taken out.
   [[nodiscard]] double unsure(int side, double speed) const { return largest(side, speed, &Bin::unsure); }
-  /// Share of friction by which the level rises from the beginning to the end of the log of this record.
-  [[nodiscard]] double rise(std::size_t record) const {
-    return found_ ? 2.0 * courses_[record].share[1] : 0.0;
-  }
+  /// Share of friction by which the level rises from the beginning to the end of the log of this record; 0 where that is not sure.
+  [[nodiscard]] double rise(std::size_t record) const { return found_ ? courses_[record].rise : 0.0; }
   /// Level of friction over its mean at a row of a record.
   [[nodiscard]] double level(const log::Record& record, std::size_t number, std::size_t row) const;
 
@@ -51,6 +49,7 @@ class LevelDrift {
   struct Course {
     double begin = 0.0, end = 1.0;  ///< [s]
     std::array<double, 3> share{};
+    double rise = 0.0;  ///< from begin to end, where it is sure
   };
   [[nodiscard]] double largest(int side, double speed, double Bin::*what) const;
 
