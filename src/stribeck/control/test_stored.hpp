@@ -18,6 +18,7 @@
 #include <stribeck/control/drive_interface.hpp>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/supervision/supervisor.hpp>
+#include <stribeck/core/test_numbers.hpp>
 #include <stribeck/path/motion_frame.hpp>
 #include <string>
 #include <tuple>
@@ -33,18 +34,6 @@ inline constexpr double kStep = 0.1e-6;  ///< of the encoders [m]
 inline constexpr std::uint64_t kRounding = 8934578248929296875u;
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 using V = Vec<double, 2>;
-
-/// Numbers between -1 and 1, the same everywhere.
-class Numbers {
- public:
-  double next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state_ >> 40) * 0x1p-23 - 1.0;
-  }
-
- private:
-  std::uint64_t state_ = 2026;
-};
 
 /// Share of the full speed at time t [s] and its rate: run-in, a stop from 3.0 to 3.4 s, faster from then on.
 struct Pace {
@@ -231,7 +220,7 @@ struct Sums {
   double other = 0.0;
 };
 
-inline void add_drift(const Drift& d, Numbers& weights, Sums& sums) {
+inline void add_drift(const Drift& d, test::Numbers& weights, Sums& sums) {
   for (const double value :
        {d.level, d.level_deviation, d.positive, d.negative, d.viscous, d.break_away, d.mass, 1e3 * d.delay,
         d.viscous_deviation, d.mass_deviation, d.break_away_deviation, 1e3 * d.delay_deviation,
@@ -240,7 +229,7 @@ inline void add_drift(const Drift& d, Numbers& weights, Sums& sums) {
 }
 
 template <class State>
-void add_counts(const State& state, Numbers& weights, Sums& sums) {
+void add_counts(const State& state, test::Numbers& weights, Sums& sums) {
   for (int i = 0; i < static_cast<int>(Status::kCount); ++i)
     sums.other += weights.next() * 1e-3 * state.law.status.count(static_cast<Status>(i));
   for (const std::uint32_t n : state.watch.counts) sums.other += weights.next() * n;
@@ -273,8 +262,8 @@ Sums run(const Params& params, const Case& which) {
   Motion motion;
   Axis x(10e-3, s.compensation[0].encoder_resolution);
   Axis y(2e-3, s.compensation[1].encoder_resolution);
-  Numbers noise;
-  Numbers weights;
+  test::Numbers noise{2026};
+  test::Numbers weights{2026};
   Sums sums;
   V force;
   for (int k = 0; k < which.periods; ++k) {

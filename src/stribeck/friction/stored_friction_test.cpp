@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <stribeck/core/test_numbers.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/friction/dynamics.hpp>
 #include <stribeck/friction/table.hpp>
@@ -16,18 +17,6 @@
 
 namespace stribeck::friction::stored_friction_test {
 namespace {
-
-/// Numbers between -1 and 1, the same everywhere.
-class Numbers {
- public:
-  double next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state_ >> 40) * 0x1p-23 - 1.0;
-  }
-
- private:
-  std::uint64_t state_ = 39;
-};
 
 /// Adds values with weights that differ from one to the next.
 class Sum {
@@ -46,7 +35,7 @@ class Sum {
   }
 
  private:
-  Numbers weights_;
+  test::Numbers weights_{39};
   double sum_ = 0.0;
 };
 
@@ -76,7 +65,7 @@ Conventional<double> conventional() { return {19.0, 800.0, Stribeck<double>{27.0
 template <class Law>
 void walk(const Law& law, Sum& sum) {
   const Conventional<double> map = conventional();
-  Numbers n;
+  test::Numbers n{39};
   typename Law::State s{}, before{};
   Integrated<Law> inside(law);
   std::vector<double> q(Integrated<Law>::kCount), rate(Integrated<Law>::kCount);
@@ -178,7 +167,7 @@ TEST(StoredFriction, MapsAndTables) {
   sum.expect(161.875535129, 1e3);
 }
 
-ModelDeviation change(Numbers& n) {
+ModelDeviation change(test::Numbers& n) {
   ModelDeviation d;
   d.mass = 20.0 * n.next();
   for (std::size_t s = 0; s < 2; ++s) {
@@ -213,7 +202,7 @@ void add_model(const AxisModel& m, Sum& sum) {
 
 TEST(StoredFriction, Deviations) {
   Sum sum;
-  Numbers n;
+  test::Numbers n{39};
   std::vector<AxisModel> models(4);
   models[0].friction.steady = gaussian();
   models[1].friction.steady = gaussian();
