@@ -220,7 +220,7 @@ struct Sums {
   double other = 0.0;
 };
 
-inline void add_drift(const Drift& d, test::Numbers& weights, Sums& sums) {
+inline void add_drift(const Drift& d, stribeck::test::Numbers& weights, Sums& sums) {
   for (const double value :
        {d.level, d.level_deviation, d.positive, d.negative, d.viscous, d.break_away, d.mass, 1e3 * d.delay,
         d.viscous_deviation, d.mass_deviation, d.break_away_deviation, 1e3 * d.delay_deviation,
@@ -229,7 +229,7 @@ inline void add_drift(const Drift& d, test::Numbers& weights, Sums& sums) {
 }
 
 template <class State>
-void add_counts(const State& state, test::Numbers& weights, Sums& sums) {
+void add_counts(const State& state, stribeck::test::Numbers& weights, Sums& sums) {
   for (int i = 0; i < static_cast<int>(Status::kCount); ++i)
     sums.other += weights.next() * 1e-3 * state.law.status.count(static_cast<Status>(i));
   for (const std::uint32_t n : state.watch.counts) sums.other += weights.next() * n;
@@ -262,8 +262,8 @@ Sums run(const Params& params, const Case& which) {
   Motion motion;
   Axis x(10e-3, s.compensation[0].encoder_resolution);
   Axis y(2e-3, s.compensation[1].encoder_resolution);
-  test::Numbers noise{2026};
-  test::Numbers weights{2026};
+  stribeck::test::Numbers noise{2026};
+  stribeck::test::Numbers weights{2026};
   Sums sums;
   V force;
   for (int k = 0; k < which.periods; ++k) {

@@ -35,7 +35,7 @@ class Sum {
   }
 
  private:
-  test::Numbers weights_{39};
+  stribeck::test::Numbers weights_{39};
   double sum_ = 0.0;
 };
 
@@ -65,7 +65,7 @@ Conventional<double> conventional() { return {19.0, 800.0, Stribeck<double>{27.0
 template <class Law>
 void walk(const Law& law, Sum& sum) {
   const Conventional<double> map = conventional();
-  test::Numbers n{39};
+  stribeck::test::Numbers n{39};
   typename Law::State s{}, before{};
   Integrated<Law> inside(law);
   std::vector<double> q(Integrated<Law>::kCount), rate(Integrated<Law>::kCount);
@@ -167,7 +167,7 @@ TEST(StoredFriction, MapsAndTables) {
   sum.expect(161.875535129, 1e3);
 }
 
-ModelDeviation change(test::Numbers& n) {
+ModelDeviation change(stribeck::test::Numbers& n) {
   ModelDeviation d;
   d.mass = 20.0 * n.next();
   for (std::size_t s = 0; s < 2; ++s) {
@@ -202,7 +202,7 @@ void add_model(const AxisModel& m, Sum& sum) {
 
 TEST(StoredFriction, Deviations) {
   Sum sum;
-  test::Numbers n{39};
+  stribeck::test::Numbers n{39};
   std::vector<AxisModel> models(4);
   models[0].friction.steady = gaussian();
   models[1].friction.steady = gaussian();
