@@ -405,7 +405,7 @@ PlantFit fit_plant(const Response& response) {
   const Candidate* best = &all.front();
   bool beyond = false;
   const Candidate& lag = all.back();
-  // One that leaves more than the noise takes the place of something else, such as a resonance above the lines.
+  // A lag that leaves more than the noise stands for something else, such as a resonance above the lines.
   if (lag.held_out < kFarBetter * best->held_out && lag.excess < kMore && lag.half[3] < kKnownLag &&
       lag.fitted.p[2] > kLeastDelay)
     best = &lag;

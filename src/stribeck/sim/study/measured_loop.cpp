@@ -197,7 +197,7 @@ LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginR
     const MeasuredMargins m = finished(judged, plant, loop);
     if (m.inside && inside == 0.0) inside = omega;
     if (keeps(m, rule)) {
-      // Behind loops that were passed over, the lines that made them unsure must be harmless.
+      // A loop that is faster than one that was passed over must not be at −1 within the interval of any line.
       const double unsure_at = passed_over ? may_be_minus_one(plant, loop) : 0.0;
       if (unsure_at > 0.0) {
         if (!limited) out.limit = LoopLimit::kPhase, out.unsure = true, out.limit_at = unsure_at;

@@ -131,7 +131,7 @@ MachineDescription read_description(const std::string& file) {
   } catch (const io::NotToml& e) {
     if (file.ends_with(".toml")) throw;
     io::Problem why = e.problems().front();
-    why.message += " (expected a machine file; a log is none)";
+    why.message += " (expected a machine file in TOML; this may be a log)";
     throw io::InputError(std::move(why));
   }
 }

@@ -9,7 +9,7 @@
 
 namespace stribeck::workflow {
 
-/// `--map x="y_act mm"`, in the quotes that a shell leaves as they are.
+/// `--map x="y_act mm"`, in quotes that the name itself does not have, so that a shell keeps it.
 std::string map_option(std::string_view what, const std::string& column);
 
 /// `--map t="time s" --map x="y_act mm" --map force="y_force N"`: what the names suggest, with the unit of the file or else a usual one;
