@@ -4,7 +4,8 @@
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
 ///   verdict  by λ against 10 and 25 % and three standard deviations, if one of them is below 10 %; if λ is unchanged, by a delay
-///            above one period, viscous friction above 25 % or a mass above 15 %, each beyond three standard deviations
+///            above one period, viscous friction above 25 % or a mass above 15 %, each beyond three standard deviations. Viscous
+///            friction counts only if it is known to 20 %: slow motion holds little of it, and moves the estimate at random
 ///   shape    λ and χ − 1 of opposite sign, both beyond two standard deviations: no machine changes like that; the map lacks
 ///            the speeds of this motion
 ///
@@ -124,10 +125,12 @@ class DriftMonitor {
     if (!a.informed || d.level_deviation > kUnsure) return d;
     const double watch = max_of(kWatch, kSure * d.level_deviation);
     const double act = max_of(kAct, kSure * d.level_deviation);
-    const bool shape = d.level * d.viscous < 0.0 && abs(d.level) > kLikely * d.level_deviation &&
+    const bool slope_known = d.viscous_deviation < kUnsureViscous;
+    const bool shape = slope_known && d.level * d.viscous < 0.0 &&
+                       abs(d.level) > kLikely * d.level_deviation &&
                        abs(d.viscous) > max_of(kViscous, kLikely * d.viscous_deviation);
     const bool delay = abs(d.delay) > max_of(period, kSure * d.delay_deviation);
-    const bool viscous = abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
+    const bool viscous = slope_known && abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
     const bool mass = abs(d.mass) > max_of(kMass, kSure * d.mass_deviation);
     const bool falling = d.trend * kSlow < -max_of(kWarming, kSure * d.level_deviation);
     d.verdict = falling                    ? DriftVerdict::kWarmingUp
@@ -155,16 +158,17 @@ class DriftMonitor {
                              0.0));
   }
 
-  static constexpr double kFast = 10.0;     ///< [s]
-  static constexpr double kSlow = 100.0;    ///< [s]
-  static constexpr double kUnsure = 0.1;    ///< standard deviation of the level
-  static constexpr double kWatch = 0.1;     ///< change of the level
-  static constexpr double kAct = 0.25;      ///< change of the level from which the user must act
-  static constexpr double kWarming = 0.02;  ///< fall of the level within kSlow
-  static constexpr double kViscous = 0.25;  ///< change of viscous friction
-  static constexpr double kMass = 0.15;     ///< share of the mass
-  static constexpr double kSure = 3.0;      ///< limit in standard deviations
-  static constexpr double kLikely = 2.0;    ///< the same where two parameters contradict each other
+  static constexpr double kFast = 10.0;          ///< [s]
+  static constexpr double kSlow = 100.0;         ///< [s]
+  static constexpr double kUnsure = 0.1;         ///< standard deviation of the level
+  static constexpr double kUnsureViscous = 0.2;  ///< the same of viscous friction
+  static constexpr double kWatch = 0.1;          ///< change of the level
+  static constexpr double kAct = 0.25;           ///< change of the level from which the user must act
+  static constexpr double kWarming = 0.02;       ///< fall of the level within kSlow
+  static constexpr double kViscous = 0.25;       ///< change of viscous friction
+  static constexpr double kMass = 0.15;          ///< share of the mass
+  static constexpr double kSure = 3.0;           ///< limit in standard deviations
+  static constexpr double kLikely = 2.0;         ///< the same where two parameters contradict each other
 };
 
 }  // namespace stribeck::control

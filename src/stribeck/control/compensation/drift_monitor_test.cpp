@@ -68,6 +68,20 @@ TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
             DriftVerdict::kAnotherShape);
   EXPECT_EQ(verdict({{A::kViscous, 0.8}, {A::kPositive, -0.22}, {A::kNegative, -0.22}}, 0.05),
             DriftVerdict::kAnotherShape);
+  // A slope that slow motion hardly tells is no news, however far the estimate went.
+  const auto slope_only = [](double viscous, double deviation) {
+    A::State a;
+    a.informed = true;
+    a.theta[A::kPositive] = a.theta[A::kNegative] = -0.06;
+    a.theta[A::kViscous] = viscous;
+    a.deviation[A::kViscous] = deviation;
+    a.p[A::kPositive][A::kPositive] = a.p[A::kNegative][A::kNegative] = 0.02 * 0.02;
+    return DriftMonitor::report({}, a, kPeriod).verdict;
+  };
+  EXPECT_EQ(slope_only(0.9, 0.22), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(slope_only(0.9, 0.18), DriftVerdict::kAnotherShape);
+  EXPECT_EQ(slope_only(-0.9, 0.22), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(slope_only(-0.9, 0.18), DriftVerdict::kLessViscous);
 }
 
 // In one run nobody can tell a change of the machine from an error of the model.
