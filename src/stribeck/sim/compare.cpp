@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/cutting_estimate.hpp>
 #include <stribeck/sim/parallel.hpp>
@@ -313,6 +314,9 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   friction::Model straight;
   straight.steady = line;
   straight.spring = model.spring;
+  for (const auto& term : model.eccentric) {
+    if (friction::is_unbalance(term)) straight.eccentric.push_back(term);
+  }
   return straight;
 }
 

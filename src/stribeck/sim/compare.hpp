@@ -174,7 +174,7 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
                        const CompareSpec& spec, std::uint32_t trial);
 
 /// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis up to `fastest` [m/s]. A model
-/// without a Stribeck part that is fitted to friction with one gives this result (Table 4.3).
+/// without a Stribeck part that is fitted to friction with one gives this result (Table 4.3). A spring and an unbalance stay: they are no friction.
 friction::Model straightened(const friction::Model& model, double fastest);
 
 /// The feed-forward that a controller gets with this model. A dynamic law without bristles is a step at the reversal; the controller that
