@@ -7,6 +7,7 @@
 
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/drive/load/lost_share.hpp>
 #include <stribeck/ident/drive/smoothing/before_filter.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
@@ -350,10 +351,55 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
   return found;
 }
 
+/// What was found on logs as_driving(): mass, load and spring stand for their parts of the force, friction for that at constant speed.
+void write_lost_share(const ident::drive::LostShare& lost, ident::Result& r) {
+  const double part = 1.0 - lost.share;
+  r.mass *= part;
+  r.plain_mass *= part;
+  r.load *= part;
+  r.mass_interval = {part * r.mass_interval.low, part * r.mass_interval.high};
+  if (r.friction.spring) r.friction.spring->stiffness *= part;
+  for (ident::Parameter& p : r.parameters) {
+    if (p.name != "mass" && p.name != "load" && p.name != "position_stiffness") continue;
+    p.value *= part, p.ci_low *= part, p.ci_high *= part;
+  }
+  if (r.open) {
+    for (auto& d : r.open->deviations) d.mass *= part;
+  }
+  const double own = 0.5 * (r.mass_interval.high - r.mass_interval.low);
+  widen_mass(std::hypot(own, r.mass * lost.half_width / part), r);
+  r.parameters.push_back(
+      {"lost_share", lost.share, "1", "1", lost.share - lost.half_width, lost.share + lost.half_width, true});
+  r.warnings.push_back(fmt::format(
+      "friction grows with the force: {:.1f} ± {:.1f} % of what the drive makes is lost (a nut, a worm or a gear with an efficiency of "
+      "{:.2g}); mass and load are those without it, friction is that at constant speed; no axis file holds the rest: while the axis "
+      "accelerates a compensation is that much too weak, and while it brakes too strong",
+      100.0 * lost.share, 100.0 * lost.half_width, part));
+}
+
+/// With friction that grows with the force, where the logs show it and are explained better; absent elsewhere.
+std::optional<Identification> with_lost_share(const AxisRecords& logged, const Identify& method) {
+  constexpr double kExplainsMore = 0.85;  // of the error on held-out motion
+  const auto lost = ident::drive::lost_share(logged.records);
+  if (!lost) return {};
+  AxisRecords mended = logged;
+  for (ident::log::Record& r : mended.records) ident::drive::as_driving(lost->share, r);
+  const double before = method(logged, Depth::kSteady).result.held_out_rms;
+  const double after = method(mended, Depth::kSteady).result.held_out_rms;
+  if (!(after < kExplainsMore * before)) return {};
+  Identification found = diagnosed(mended, method(mended, Depth::kWhole), method);
+  if (!std::isfinite(found.result.mass)) return {};
+  write_lost_share(*lost, found.result);
+  return found;
+}
+
 }  // namespace
 
 Identification diagnosed(const AxisRecords& logged, const Identify& method) {
   Identification found = method(logged, Depth::kWhole);
+  if (has_residual(found) && may_run_again(found.result.method)) {
+    if (std::optional<Identification> lost = with_lost_share(logged, method)) return std::move(*lost);
+  }
   if (has_residual(found) && may_run_again(found.result.method)) {
     if (const std::optional<AxisRecords> mended = without_row_means(logged, found, method)) {
       found = diagnosed(*mended, method(*mended, Depth::kWhole), method);
