@@ -83,8 +83,9 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
            given.shown.force(out.models[best].held_out_rms) + ")";
   if (std::min(level[0], level[1]) < 1.0 / kMostLevel || std::max(level[0], level[1]) > kMostLevel)
     return fmt::format(
-        "its reversals need {:.2f} and {:.2f} times the given level of friction; either the axis never slides, or the steady map was measured on another day",
-        level[0], level[1]);
+        "its reversals need {:.2f} and {:.2f} times the given level of friction; either {}the axis never slides, or the steady map was measured on another day",
+        level[0], level[1],
+        (level[0] - 1.0) * (level[1] - 1.0) < 0.0 ? "a load is in the friction of the two directions, " : "");
   if (!(f.half < kWidestInterval))
     return "its reversals allow any break-away distance from " + given.shown.length(low) + " to " +
            given.shown.length(high);

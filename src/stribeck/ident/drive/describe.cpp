@@ -16,6 +16,7 @@ constexpr std::size_t kShownResiduals = 4000;
 constexpr double kMostHalf = 1e12;    ///< in SI: a wider interval is none
 constexpr double kVagueShift = 0.3;   ///< [rows] half width of a shift that is worth a word
 constexpr double kApart = 0.05;       ///< of friction: difference of the directions that is worth a word
+constexpr double kClearRise = 0.06;   // of the Coulomb force: a smaller one may be the foot of a steeper rise
 constexpr double kWorthRise = 0.005;  // of the Coulomb force: less is rounding, and has no Stribeck speed
 constexpr double kMostOfStribeckSpeed =
     0.5;  ///< share of the Stribeck speed: rows this slow show four fifths of the rise
@@ -169,8 +170,9 @@ void Description::write_summary(int s) {
       summary.line_seen);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
                      summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
+  const bool clear = rises && summary.rise.value > kClearRise * std::abs(summary.coulomb.value);
   const bool seen_at_rest =
-      slow_enough(s, rises && is_stribeck(summary) ? summary.stribeck_speed : std::nullopt);
+      slow_enough(s, clear && is_stribeck(summary) ? summary.stribeck_speed : std::nullopt);
   at_rest_seen_[side] = seen_at_rest;
   add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
       seen_at_rest);
@@ -327,10 +329,15 @@ void Description::write_load() {
     note_load();
     return;
   }
-  const double v = 0.5 * std::min(fit.top[0], fit.top[1]);
-  const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
-  const double apart = 0.5 * (level(0) - level(1));
-  if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
+  // Viscous friction that differs the other way round makes both alike at some speed.
+  double apart = 0.0, most = kApart;
+  for (const double share : {0.05, 0.5}) {
+    const double v = share * std::min(fit.top[0], fit.top[1]);
+    const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
+    const double half = 0.5 * (level(0) - level(1)), mean = 0.5 * (level(0) + level(1));
+    if (std::abs(half) > most * mean) apart = half, most = std::abs(half) / std::max(mean, 1e-300);
+  }
+  if (apart != 0.0) {
     notes_.cannot_tell.push_back(text(
         "whether the difference of %s between each direction and their mean is a load or friction: it is taken as friction",
         Shown(found_.log.records.front()).force(std::abs(apart)).c_str()));

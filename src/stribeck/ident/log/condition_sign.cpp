@@ -160,6 +160,16 @@ Applied apply_signs(std::vector<Table>& tables, const std::vector<Block>& blocks
   return out;
 }
 
+/// RMS of the velocity.
+double usual_speed(std::vector<Table>& tables) {
+  double sum = 0.0, rows = 0.0;
+  for (const Block& b : blocks_of(tables, std::numeric_limits<std::size_t>::max())) {
+    for (const double v : b.motion.v) sum += v * v;
+    rows += static_cast<double>(b.motion.v.size());
+  }
+  return rows > 0.0 ? std::sqrt(sum / rows) : 0.0;
+}
+
 }  // namespace
 
 void recover_signs(std::vector<Table>& tables, Notes& notes) {
@@ -212,7 +222,9 @@ void mend_sign(std::vector<Table>& tables, Notes& notes) {
   if (!r.good) return;
   // The viscous part may rightly be negative, because a rise at low speed looks like that.
   const bool negative = r.coulomb < 0.0;
-  if (r.friction_shows && negative && r.mass_shows && r.mass > 0.0) {
+  // A hydrostatic guide has viscous friction alone; the little that a line through its curve leaves at zero may have either sign.
+  const bool drives = r.coulomb + std::max(r.viscous, 0.0) * usual_speed(tables) < 0.0;
+  if (r.friction_shows && drives && r.mass_shows && r.mass > 0.0) {
     notes.add_all(
         "contradiction", tables.front().source, false,
         fmt::format(

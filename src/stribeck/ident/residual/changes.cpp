@@ -51,16 +51,30 @@ void without_load(std::vector<Stroke>& strokes) {
   for (Stroke& s : strokes) s.extra -= sum[s.sign > 0.0 ? 0 : 1] / n[s.sign > 0.0 ? 0 : 1];
 }
 
-/// Sum of squares about a straight line over time.
-double about_line(const std::vector<Stroke>& s) {
+/// Sum of squares about a straight line over a course of time, one value for each stroke.
+double about_line(const std::vector<Stroke>& s, const std::vector<double>& course) {
   const auto n = static_cast<double>(s.size());
   double t = 0.0, y = 0.0, tt = 0.0, ty = 0.0, yy = 0.0;
-  for (const Stroke& k : s) t += k.t, y += k.extra;
+  for (std::size_t k = 0; k < s.size(); ++k) t += course[k], y += s[k].extra;
   t /= n, y /= n;
-  for (const Stroke& k : s) {
-    tt += (k.t - t) * (k.t - t), ty += (k.t - t) * (k.extra - y), yy += (k.extra - y) * (k.extra - y);
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    const double dt = course[k] - t, dy = s[k].extra - y;
+    tt += dt * dt, ty += dt * dy, yy += dy * dy;
   }
   return tt > 0.0 ? yy - ty * ty / tt : yy;
+}
+
+/// The least about time itself, and about an end that is approached: what warms up is quick at first.
+double about_drift(const std::vector<Stroke>& s) {
+  std::vector<double> course;
+  for (const Stroke& k : s) course.push_back(k.t);
+  const double begin = course.front(), span = course.back() - begin;
+  double least = about_line(s, course);
+  for (const double share : {0.05, 0.1, 0.2, 0.4}) {
+    for (std::size_t k = 0; k < s.size(); ++k) course[k] = std::exp(-(s[k].t - begin) / (share * span));
+    if (span > 0.0) least = std::min(least, about_line(s, course));
+  }
+  return least;
 }
 
 void find_step(std::vector<Stroke> s, const Rows& rows, Diagnosis& out) {
@@ -86,7 +100,7 @@ void find_step(std::vector<Stroke> s, const Rows& rows, Diagnosis& out) {
   const double step = std::sqrt(best * n / (a * b));
   const double deviation = std::sqrt(std::max(left, 0.0) / (n - 2.0) * n / (a * b));
   if (step < kWorthStep * rows.friction || step < kSteps * deviation ||
-      left > kBetterThanDrift * about_line(s))
+      left > kBetterThanDrift * about_drift(s))
     return;
   double first = 0.0;
   for (std::size_t i = 0; i < at; ++i) first += s[i].extra;

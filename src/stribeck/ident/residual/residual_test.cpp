@@ -275,6 +275,10 @@ TEST(Residual, TellsASuddenChangeFromADrift) {
   const auto drift = [](const Moment& m) { return sign(m.v) * 0.25 * kCoulomb * m.t / 40.0; };
   EXPECT_THAT(diagnose({record_of(two_sines, drift)}, truth()).warnings,
               Not(Contains(HasSubstr("suddenly"))));
+  // What warms up quickly at first is nearer to a step than to a line.
+  const auto warming = [](const Moment& m) { return sign(m.v) * 0.3 * kCoulomb * std::exp(-m.t / 5.0); };
+  EXPECT_THAT(diagnose({record_of(two_sines, warming)}, truth()).warnings,
+              Not(Contains(HasSubstr("suddenly"))));
 }
 
 /// Strokes back and forth of constant speed, each speed once.
