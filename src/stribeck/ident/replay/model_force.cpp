@@ -166,8 +166,20 @@ class Scored {
     out_.at_rest = 1.0 - static_cast<double>(out_.moving) / static_cast<double>(used_.size());
   }
 
-  /// What a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
-  [[nodiscard]] MatrixXd errors_of_model() const {
+  /// Friction that rises after each reversal over a distance [m], with the sign of the motion.
+  [[nodiscard]] Column risen_over(double distance) const {
+    Column risen(motion_.x.size());
+    double z = 0.0;
+    for (std::size_t k = 1; k < risen.size(); ++k) {
+      const double moved = motion_.x[k] - motion_.x[k - 1];
+      z += ((moved > 0.0 ? 1.0 : -1.0) - z) * -std::expm1(-std::abs(moved) / distance);
+      risen[k] = z;
+    }
+    return risen;
+  }
+
+  /// What a wrong mass, friction, load, pre-sliding or a spring leaves: a model that is wrong in these is not late.
+  [[nodiscard]] MatrixXd errors_of_model() {
     // Sliding friction is that of v and sgn v; only bristles change it otherwise.
     const bool bristles = friction::has_pre_sliding(model_.friction.dynamics);
     std::vector<Column> columns(bristles ? 6 : 5);
@@ -179,6 +191,10 @@ class Scored {
       columns[3].push_back(motion_.x[k] - motion_.x.front());
       columns[4].push_back(1.0);
       if (bristles) columns[5].push_back(filed_[k] - model_.mass * motion_.a[k]);
+    }
+    // Without bristles in the model a force that rises over a distance after a reversal looks late at every one.
+    if (!bristles) {
+      for (const double distance : {4e-6, 20e-6}) columns.push_back(risen_over(distance)), ++risen_;
     }
     MatrixXd X(static_cast<Index>(used_.size()), std::ssize(columns));
     for (Index j = 0; j < X.cols(); ++j) {
@@ -234,6 +250,7 @@ class Scored {
   std::vector<std::size_t> used_;    ///< decimated rows that count
   std::vector<std::size_t> moving_;  ///< those in which the axis moves
   MatrixXd errors_;                  ///< errors_of_model()
+  Index risen_ = 0;                  ///< columns of pre-sliding, the last ones of them
   double load_ = 0.0;                ///< constant force of the log [N]
   ForceError out_;
 };
@@ -277,7 +294,9 @@ std::optional<double> Scored::far_shift(double from) const {
   VectorXd late(static_cast<Index>(used_.size())), e(late.size());
   for (Index i = 0; i < late.size(); ++i) late(i) = -slope[used_[static_cast<std::size_t>(i)]];
   const double whole = late.squaredNorm();
-  late -= errors_ * stats::least_squares(errors_, late).x;
+  // From far off, the first step would take a late force for pre-sliding.
+  const MatrixXd sliding = errors_.leftCols(errors_.cols() - risen_);
+  late -= sliding * stats::least_squares(sliding, late).x;
   const double square = late.squaredNorm();
   if (!(square > kToldShift * whole)) return {};
   double shift = from;
@@ -352,6 +371,12 @@ void Scored::fit_own() {
       fit = std::move(unshifted);
       judge(fit);
     }
+  }
+  if (!given && out_.shifted && risen_ > 0) {
+    // Begun where no shift is, the same fit stays there where pre-sliding explains the force.
+    constexpr double kStays = 0.5;
+    const double near = fit_from(expected, false).shift;
+    out_.or_pre_sliding = std::abs(near - expected) < kStays * std::abs(fit.shift - expected);
   }
   const double shift = given || out_.shifted ? fit.shift : expected;
   out_.measured = thin(log::align_force(record_.f, shift));

@@ -71,9 +71,10 @@ struct ForceError {
   double own_rms = kNaN;       ///< [N]
   double shift = kNaN;         ///< s [s]; > 0: the force stands later in the log than its motion
   double shift_half = kNaN;    ///< half width of 95 % [s]
-  bool shifted = false;    ///< s is not that of a force under its hold that begins after the model's delay
-  double at_rest = 0.0;    ///< share of the rows in which the axis stands
-  std::size_t moving = 0;  ///< of the decimated rows, without them
+  bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
+  bool or_pre_sliding = false;    ///< s may as well be pre-sliding that the model does not have
+  double at_rest = 0.0;           ///< share of the rows in which the axis stands
+  std::size_t moving = 0;         ///< of the decimated rows, without them
   double moving_relative = kNaN;  ///< as own_relative, of these
   double moving_rms = kNaN;       ///< [N]
   double of_log = kNaN;           ///< largest share of the force that this record makes a right model miss

@@ -102,6 +102,23 @@ TEST(ForceError, FindsTheShiftOfTheRecord) {
   }
 }
 
+// 20 um of pre-sliding that the model does not have were a force that is 8 to 15 ms late, without a word.
+TEST(ForceError, SaysWhereAShiftMayBePreSliding) {
+  const Truth truth;
+  log::Record record = sine_log(truth, -0.5e-3, 0.5);
+  double z = 0.0;
+  for (std::size_t k = 1; k < record.x.size(); ++k) {
+    const double moved = record.x[k] - record.x[k - 1];
+    if (moved == 0.0) continue;
+    const double sign = moved > 0.0 ? 1.0 : -1.0;
+    z += (sign - z) * -std::expm1(-std::abs(moved) / 20e-6);
+    record.f[k] += truth.coulomb * (z - sign);
+  }
+  const ForceError e = force_error(model_of(truth), record);
+  EXPECT_TRUE(!e.shifted || e.or_pre_sliding) << e.shift;
+  EXPECT_FALSE(force_error(model_of(truth), sine_log(truth, 3.3e-3, 0.5)).or_pre_sliding);
+}
+
 // A new homing position moves the phase by 2π·(its way)/period.
 TEST(ForceError, FindsThePhaseOfTheRecord) {
   const Truth truth;

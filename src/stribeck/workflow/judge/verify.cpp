@@ -161,8 +161,11 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   if (e.shifted && expected) {
     const double off = e.shift - *expected;
     warnings.push_back(fmt::format(
-        "{}: in this log the force is {:.3g} ± {:.2g} ms {} than in the model; the time shift was removed before the comparison",
-        file, 1e3 * std::abs(off), 1e3 * e.shift_half, off > 0.0 ? "later" : "earlier"));
+        "{}: in this log the force is {:.3g} ± {:.2g} ms {} than in the model{}; the time shift was removed before the comparison",
+        file, 1e3 * std::abs(off), 1e3 * e.shift_half, off > 0.0 ? "later" : "earlier",
+        e.or_pre_sliding ? ", or it rises over a distance after each reversal: the model has no pre-sliding, "
+                           "and this motion does not tell which (identify with slow jogs)"
+                         : ""));
   }
   for (const ident::replay::RecordPhase& p : e.phases) {
     if (!p.differs) continue;
