@@ -161,7 +161,7 @@ class WindowSearch {
       CauseFit best;
       for (const Windows& tried : {Windows{w, fit.windows[1]}, Windows{fit.windows[0], w}, Windows{w, w}}) {
         CauseFit other = with(tried[0], tried[1]);
-        if (other.rest.size() == 0) continue;
+        if (other.rest.size() == 0 || is_against_itself(other)) continue;
         if (best.rest.size() == 0 || other.variance * kChance < best.variance) best = std::move(other);
       }
       if (best.rest.size() > 0 && best.variance < kClear * std::min(before, fit.variance))
@@ -187,6 +187,15 @@ class WindowSearch {
   }
 
  private:
+  /// Whether columns are larger than the error that they explain: with so little of each quadrant left they take each other away.
+  [[nodiscard]] bool is_against_itself(const CauseFit& fit) const {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (const CauseRow& row : rows_.rows) low = std::min(low, row.error), high = std::max(high, row.error);
+    for (Eigen::Index j = 0; j < fit.X.cols(); ++j) {
+      if (fit.X.col(j).cwiseAbs().maxCoeff() * std::abs(fit.coefficients(j)) > high - low) return true;
+    }
+    return false;
+  }
   static constexpr std::array<double, 8> kWindows{2.0, 4.0, 6.0, 9.0, 13.0, 18.0, 24.0, 32.0};
   // What is left of a peak outside the window raises the variance; this much is chance.
   static constexpr double kChance = 1.03;
@@ -272,14 +281,21 @@ std::vector<Pitch> find_pitches(const CauseRows& all) {
     if (!search.clear(kClear) || search.at_the_end()) break;
     found.push_back(search.best());
   }
-  // Searches each pitch again with the others in the fit.
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    std::vector<Pitch> others = found;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    PitchSearch search(rows, others);
-    search.from(found[k]);
-    search.finer(step);
-    found[k] = search.best();
+  // Searches each pitch again with the others in the fit, until none moves: what one of them leaves was in the first search of the other.
+  constexpr int kPasses = 8;
+  constexpr double kStill = 1e-3;  // of a step
+  for (int pass = 0; pass < (found.size() > 1 ? kPasses : 1); ++pass) {
+    double moved = 0.0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      std::vector<Pitch> others = found;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      PitchSearch search(rows, others);
+      search.from(found[k]);
+      search.finer(step);
+      moved = std::max(moved, std::abs(1.0 / search.best().length - 1.0 / found[k].length) / step);
+      found[k] = search.best();
+    }
+    if (moved < kStill) break;
   }
   return found;
 }

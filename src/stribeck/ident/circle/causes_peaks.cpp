@@ -198,6 +198,38 @@ double noise_of(const std::vector<PassingSamples::Sample>& samples) {
   return steps.empty() ? HUGE_VAL : kOfMedian * stats::median(std::move(steps));
 }
 
+/// The peak of samples of which few are on it: in each passing the parabola through the largest one and its neighbours. Absent where
+/// noise decides which is the largest, or where it is the first or the last one.
+std::optional<FinePeak> peak_of_few(const std::vector<PassingSamples::Sample>& samples,
+                                    const Standing& standing, double noise) {
+  constexpr double kOfFall = 0.1;  // to the next sample: what the top may be higher by, at least
+  constexpr double kClear = 8.0;   // standard deviations of a sample
+  std::vector<double> value;
+  for (const auto& s : samples) value.push_back(s.rest - standing.at(s.behind));
+  const auto most = std::max_element(value.begin(), value.end(),
+                                     [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const double side = *most < 0.0 ? -1.0 : 1.0;
+  double n = 0.0, sum = 0.0, squares = 0.0, at = 0.0, fall = 0.0;
+  for (std::size_t first = 0, last = 0; first < value.size(); first = last) {
+    for (last = first + 1; last < value.size() && samples[last].goes_on;) ++last;
+    std::size_t top = first;
+    for (std::size_t i = first; i < last; ++i) top = side * value[i] > side * value[top] ? i : top;
+    if (top == first || top + 1 == last || !(side * value[top] > kClear * noise)) return std::nullopt;
+    const double before = side * value[top - 1], here = side * value[top], behind = side * value[top + 1];
+    const double bend = 2.0 * here - before - behind;
+    const double off = bend > 0.0 ? 0.5 * (behind - before) / bend : 0.0;  // in rows
+    // Between the sample and the vertex of the parabola: a spike that falls slowly has its top below that.
+    const double above = 0.125 * (behind - before) * off;
+    n += 1.0, sum += here + above, squares += (here + above) * (here + above);
+    fall += std::max(above, kOfFall * (here - std::max(before, behind)));
+    at += samples[top].behind + off * (samples[top].behind - samples[top - 1].behind);
+  }
+  const double mean = sum / n;
+  const double scatter = n > 1.0 ? std::sqrt(std::max(0.0, (squares / n - mean * mean) / (n - 1.0))) : 0.0;
+  const double half = std::hypot(1.96 * std::max(noise / std::sqrt(n), scatter), fall / n);
+  return FinePeak{side * mean, half, at / n, std::numeric_limits<double>::quiet_NaN()};
+}
+
 /// The peak of samples, on steps as fine as its top needs and the samples allow; absent: they are no finer than `step`.
 std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& samples, double from, double to,
                                   double step, const Standing& standing) {
@@ -310,6 +342,7 @@ class PeakSearch {
       const std::size_t first = top > begin_ + kBeside ? top - kBeside : begin_;
       take(fine(static_cast<double>(first) * rows_.step, static_cast<double>(top + 1 + kBeside) * rows_.step),
            peak);
+      take(few(), peak);
     }
     if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height)) {
       take(in_play_, peak);
@@ -350,6 +383,16 @@ class PeakSearch {
 
   [[nodiscard]] std::optional<FinePeak> fine(double from, double to) const {
     return fine_peak(samples_.of(p_.passings, from, to), from, to, rows_.step, standing_);
+  }
+  /// Where samples are so far apart that a narrow peak has few of them.
+  [[nodiscard]] std::optional<FinePeak> few() const {
+    constexpr double kFar = 0.25;  // steps
+    const double from = static_cast<double>(begin_) * rows_.step;
+    const double to = static_cast<double>(within_ + 1) * rows_.step;
+    const std::vector<PassingSamples::Sample> samples = samples_.of(p_.passings, from, to);
+    const auto most = (to - from) / (kFar * rows_.step) * static_cast<double>(p_.passings.size());
+    if (samples.empty() || static_cast<double>(samples.size()) > most) return std::nullopt;
+    return peak_of_few(samples, standing_, scatter() / 1.96);
   }
   static void take(const std::optional<FinePeak>& fine, QuadrantPeak& peak) {
     if (!fine || std::abs(fine->height) < std::abs(peak.height)) return;

@@ -8,7 +8,7 @@
 #include <random>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
-#include <stribeck/ident/circle/test_virtual_circle.hpp>
+#include <stribeck/ident/circle/test_diagnosis.hpp>
 #include <string>
 #include <vector>
 
@@ -18,28 +18,6 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-
-Diagnosis diagnosis_of(const VirtualMachine& m, const std::vector<double>& feeds) {
-  std::mt19937_64 random(19);
-  std::vector<CircleMotion> all;
-  for (const double feed : feeds) all.push_back(travel(m, feed, 1.3, random).motion(m.radius));
-  const auto d = diagnose(all);
-  EXPECT_TRUE(d.has_value());
-  return d.value_or(Diagnosis{});
-}
-
-std::vector<std::string> found_in(const Diagnosis& d) {
-  std::vector<std::string> out;
-  for (const Cause& c : d.causes) {
-    if (c.found) out.push_back(std::string(enum_name(c.kind)) + (c.axis ? (*c.axis == 0 ? " x" : " y") : ""));
-  }
-  return out;
-}
-
-const Cause& cause_in(const Diagnosis& d, CauseKind kind, int axis) {
-  return *std::find_if(d.causes.begin(), d.causes.end(),
-                       [&](const Cause& c) { return c.kind == kind && c.axis.value_or(axis) == axis; });
-}
 
 constexpr double kFeed = 0.05;
 
@@ -88,41 +66,6 @@ TEST(Causes, ABacklashThatIsCompensatedTooMuchIsNoSpike) {
   ASSERT_TRUE(d);
   EXPECT_EQ(found_in(*d), (std::vector<std::string>{"backlash x"}));
   EXPECT_NEAR(cause_in(*d, CauseKind::kBacklash, 0).size, -8e-6, 0.1e-6);
-}
-
-// Spikes narrower than the step of the rows (a quarter of a degree), also where the axis crosses a play at the same time: heights that the
-// rows averaged were up to a third too small, and beside the play a tenth was left.
-TEST(Causes, ASpikeNarrowerThanTheStepsOfTheRows) {
-  for (const double backlash : {0.0, 3e-6}) {
-    for (const double feed : {1.0 / 120.0, 1.0 / 30.0}) {
-      VirtualMachine m;
-      m.rate = 1000.0;
-      m.spike[0] = 7e-6;
-      m.spike_time = 0.012;
-      m.backlash[0] = backlash;
-      const Diagnosis d = diagnosis_of(m, {feed});
-      const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
-      EXPECT_TRUE(spike.found);
-      EXPECT_NEAR(spike.size, 7e-6, 0.3e-6) << feed << ' ' << backlash;
-      EXPECT_GT(spike.half_width, std::abs(spike.size - 7e-6)) << feed << ' ' << backlash;
-      EXPECT_NEAR(cause_in(d, CauseKind::kBacklash, 0).size, backlash, 0.05e-6);
-    }
-  }
-}
-
-// A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it was taken for backlash.
-TEST(Causes, ABroadSpikeIsNoBacklash) {
-  VirtualMachine m;
-  m.spike[0] = 10e-6;
-  m.spike_time = 0.4;
-  const Diagnosis d = diagnosis_of(m, {kFeed});
-  ASSERT_FALSE(d.causes.empty());
-  EXPECT_EQ(found_in(d).front(), "reversal spike x");
-  // The top is 11 degrees behind the reversal, where the radius sees its cosine.
-  const double top = m.spike_time * kFeed / m.radius;
-  EXPECT_NEAR(cause_in(d, CauseKind::kReversalSpike, 0).size, 10e-6 * std::cos(top), 0.5e-6);
-  EXPECT_LT(std::abs(cause_in(d, CauseKind::kBacklash, 0).size), 0.5e-6);
-  EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
 }
 
 // A record of two laps that begins on a quadrant, at rest: there the axis has not reversed in the first lap, and the mean of both laps

@@ -1,0 +1,68 @@
+// Spikes of a circle's deviation, on virtual machines (test_virtual_circle.hpp).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/ident/circle/test_diagnosis.hpp>
+
+namespace stribeck::ident::circle::causes_peaks_test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr double kFeed = 0.05;
+
+// Spikes narrower than the step of the rows (a quarter of a degree), also where the axis crosses a play at the same time: heights that the
+// rows averaged were up to a third too small, and beside the play a tenth was left.
+TEST(CausesPeaks, ASpikeNarrowerThanTheStepsOfTheRows) {
+  for (const double backlash : {0.0, 3e-6}) {
+    for (const double feed : {1.0 / 120.0, 1.0 / 30.0}) {
+      VirtualMachine m;
+      m.rate = 1000.0;
+      m.spike[0] = 7e-6;
+      m.spike_time = 0.012;
+      m.backlash[0] = backlash;
+      const Diagnosis d = diagnosis_of(m, {feed});
+      const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+      EXPECT_TRUE(spike.found);
+      EXPECT_NEAR(spike.size, 7e-6, 0.3e-6) << feed << ' ' << backlash;
+      EXPECT_GT(spike.half_width, std::abs(spike.size - 7e-6)) << feed << ' ' << backlash;
+      EXPECT_NEAR(cause_in(d, CauseKind::kBacklash, 0).size, backlash, 0.05e-6);
+    }
+  }
+}
+
+// A spike that reaches 50 degrees behind the reversal: with 32 degrees left out of the fit, the rest of it was taken for backlash.
+TEST(CausesPeaks, ABroadSpikeIsNoBacklash) {
+  VirtualMachine m;
+  m.spike[0] = 10e-6;
+  m.spike_time = 0.4;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  ASSERT_FALSE(d.causes.empty());
+  EXPECT_EQ(found_in(d).front(), "reversal spike x");
+  // The top is 11 degrees behind the reversal, where the radius sees its cosine.
+  const double top = m.spike_time * kFeed / m.radius;
+  EXPECT_NEAR(cause_in(d, CauseKind::kReversalSpike, 0).size, 10e-6 * std::cos(top), 0.5e-6);
+  EXPECT_LT(std::abs(cause_in(d, CauseKind::kBacklash, 0).size), 0.5e-6);
+  EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
+}
+
+// A ball-bar of rows every 0.19 degrees, of which five are on a spike: its height was the mean over the step, 4.4 of 7 um.
+TEST(CausesPeaks, ASpikeOfFewRows) {
+  for (const double height : {7e-6, -7e-6}) {
+    VirtualMachine m;
+    m.rate = 50.0;
+    m.spike[0] = height;
+    m.spike_time = 0.04;
+    const Diagnosis d = diagnosis_of(m, {1.0 / 60.0});
+    const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+    EXPECT_TRUE(spike.found);
+    EXPECT_NEAR(spike.size, height, 0.4e-6);
+    EXPECT_GT(spike.half_width, std::abs(spike.size - height));
+    EXPECT_EQ(found_in(d).size(), 1U);
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::ident::circle::causes_peaks_test
