@@ -58,7 +58,10 @@ void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::v
       Number::kBackward, {}, [](const HealthTest& t) { return pair_of(t.axis->backward); }, level);
   if (first.coulomb && first.viscous) {
     const double top = first.motion.top_speed;
-    add(Number::kCoulomb, {}, scaled(&Measured::coulomb, 1.0), level);
+    // Beside much viscous friction a fifth of it is little of the whole; beside very much it is hardly measured.
+    constexpr double kLeastPart = 0.3;
+    add(Number::kCoulomb, {}, scaled(&Measured::coulomb, 1.0),
+        std::clamp(std::abs(first.coulomb->value), kLeastPart * level, level));
     add(Number::kViscous, {}, scaled(&Measured::viscous, top),
         std::max(level, std::abs(top * first.viscous->value)));
   }

@@ -1,8 +1,8 @@
 #pragma once
 /// What the tests of an axis show together: a trend for each number, changes found in them, and likely causes.
 ///
-/// Every force counts as a share of the friction level, which is the mean of both directions in the first test, viscous friction of
-/// itself where it is larger; a mass as a share of itself; a length of the circular test as a share of twice its first value, at least of 2 µm. Steps within a week of each other, in whichever numbers, are
+/// Every force counts as a share of the friction level, which is the mean of both directions in the first test, Coulomb friction of
+/// itself but at least of 0.3 of that level, viscous friction of itself where it is larger; a mass as a share of itself; a length of the circular test as a share of twice its first value, at least of 2 µm. Steps within a week of each other, in whichever numbers, are
 /// one change. Its effect on every other number is the difference of the medians of ten tests before and after. A slow change is a
 /// number that has left its drift limit, twice as wide for viscous friction without temperatures; its effect is that since the first tests.
 ///

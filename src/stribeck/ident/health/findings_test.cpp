@@ -86,6 +86,19 @@ TEST(HealthFindings, NamesTheLikelyCause) {
   EXPECT_EQ(cause_of(gain), "scale of the force: gain, current sensor or motor constant");
 }
 
+// Preload lost by a sixth beside twice as much viscous friction is 7 % of the whole.
+TEST(HealthFindings, CoulombFrictionIsAShareOfItself) {
+  std::vector<HealthTest> tests = tests_with(event_of(&Event::coulomb, 0.83));
+  for (HealthTest& t : tests) {
+    Measured& m = *t.axis;
+    for (Force* f : {&m.forward, &m.backward}) f->value += 100.0;
+    m.viscous->value += 200.0 / 0.02;
+  }
+  const Health health = health_of(tests);
+  ASSERT_TRUE(health.changed());
+  EXPECT_EQ(health.changes.front().causes.front().what, "preload lost");
+}
+
 TEST(HealthFindings, StepsOfOneDayAreOneChange) {
   Event dry;
   dry.coulomb = 1.3;

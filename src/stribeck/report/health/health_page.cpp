@@ -144,7 +144,7 @@ Page health_report_page(const HealthReportInput& input) {
     page.lead(fmt::format("{}: {}, {}.", axis.motion.empty() ? "Circle" : "Axis " + axis.name, tests_of(axis),
                           verdict_of(axis)));
   page.paragraph(fmt::format(
-      "Changes of forces are shares of the friction level of the first test; tables and figures have the forces themselves. A step counts from {} % on, a slow change from {} % on. "
+      "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself; tables and figures have the forces themselves. A step counts from {} % on, a slow change from {} % on. "
       "A step needs three tests before it is believed.",
       short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift)));
   for (const HealthAxis& axis : input.axes) {

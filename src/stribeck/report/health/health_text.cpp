@@ -208,7 +208,7 @@ std::string text_table(const HealthReportInput& input) {
     }
   }
   out += fmt::format(
-      "\nChanges of forces are shares of the friction level of the first test. Limits: a step of {} %, a slow change of {} %.\n",
+      "\nChanges of forces are shares of the friction level of the first test, of Coulomb friction of itself. Limits: a step of {} %, a slow change of {} %.\n",
       short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift));
   for (const std::string& remark : input.remarks) out += "remark: " + clean_text(remark) + "\n";
   return out;
