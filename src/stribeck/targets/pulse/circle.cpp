@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stribeck/targets/pulse/circle.hpp>
 
 namespace stribeck::targets {
@@ -11,6 +12,7 @@ constexpr double kAccuracy = 1e-8;  ///< of the simulated contour error [m]
 constexpr double kShareOfError =
     5e-4;  ///< of the error without a pulse, that the simulation of a larger one may miss
 constexpr double kCoarse = 1e-6;  ///< at most [m]
+constexpr int kMostDelay = 8;     ///< of the plant [control periods]
 
 sim::Travel circle_travel(double radius, double feed, double laps) {
   sim::Travel t;
@@ -38,6 +40,15 @@ sim::Machine machine_of(const std::array<friction::AxisModel, 2>& axes, double p
     a.plant.converter.range = 1e9;
     a.plant.encoder.resolution = 1e-9;
     a.plant.friction = known.friction;
+    const double periods = known.delay / period;
+    if (!(periods <= kMostDelay)) {
+      throw sim::Refused(fmt::format(
+          "the delay of an axis, {:.4g} ms, is more than {} control periods of {:.4g} ms: the circle cannot be simulated (correct delay in "
+          "the axis file, or the control period, --period)",
+          1e3 * known.delay, kMostDelay, 1e3 * period));
+    }
+    a.plant.delay_periods = static_cast<int>(std::floor(periods));
+    if (const double rest = periods - a.plant.delay_periods; rest > 1e-6) a.plant.delay_fraction = rest;
     m.axes.emplace_back(m.axes.empty() ? "x" : "y", a);
   }
   return m;

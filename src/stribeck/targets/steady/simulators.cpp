@@ -94,12 +94,14 @@ struct Simscape {
 
 Form simscape(const Axis& axis) {
   const auto mean = [&](double v) { return 0.5 * (axis.friction(v) - axis.friction(-v)); };
+  // Speeds in equal ratios, since the part of Stribeck is a small part of the range. Below its breakaway velocity the block passes through
+  // zero, whatever its numbers: what counts there is the level from which it falls.
   const auto squares = [&](const Simscape& s) {
     constexpr int kSpeeds = 400;
     double sum = 0.0;
     for (int i = 0; i <= kSpeeds; ++i) {
-      const double v = axis.slowest + (axis.fastest - axis.slowest) * i / kSpeeds;
-      const double off = s.at(v) - mean(v);
+      const double v = axis.slowest * std::pow(axis.fastest / axis.slowest, static_cast<double>(i) / kSpeeds);
+      const double off = (v < s.speed ? s.breakaway : s.at(v)) - mean(v);
       sum += off * off;
     }
     return sum;
@@ -128,6 +130,7 @@ Form simscape(const Axis& axis) {
       "brkwy_frc = {:.9g}   N\nCol_frc = {:.9g}   N\nbrkwy_vel = {:.9g}   m/s\nvisc_coef = {:.9g}   N/(m/s)\n% mass = {:.9g} kg\n",
       best.breakaway, best.coulomb, best.speed, best.viscous, axis.model.mass);
   form.held = [best](double v) { return signed_force(best.at(std::abs(v)), v); };
+  form.from = best.speed;
   form.to_do =
       "Parameters of Simscape's block Translational Friction; it has one friction for both directions, and passes through zero within a "
       "tenth of brkwy_vel. Check first that the variables have these units in the block.";

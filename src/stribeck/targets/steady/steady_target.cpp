@@ -179,7 +179,9 @@ struct Error {
   double friction = 0.0;  ///< RMS of the friction itself [N]
 };
 
-Error error_of(const Axis& axis, const Form& form) {
+/// From where the form holds on; the axis then says so.
+Error error_of(Axis& axis, const Form& form) {
+  axis.slowest = std::clamp(form.from, axis.slowest, axis.fastest);
   Error e;
   double squares = 0.0;
   double friction = 0.0;

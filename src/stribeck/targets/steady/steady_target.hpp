@@ -50,7 +50,8 @@ struct Axis {
 struct Form {
   std::string text;
   std::function<double(double)> held;  ///< its friction [N] at a velocity [m/s]
-  bool periodic = false;               ///< terms periodic in position are in it
+  double from = 0.0;      ///< below this speed it passes through zero, and no error is told [m/s]
+  bool periodic = false;  ///< terms periodic in position are in it
   bool pre_sliding = false;
   bool mass = false;  ///< the mass is in it
   bool load = false;

@@ -334,7 +334,36 @@ TEST(SteadyTarget, WhatSimulatorsReadHasTheErrorThatIsPrinted) {
                stribeck +
            coulomb * std::tanh(10.0 * v / speed) + viscous * v;
   };
-  EXPECT_NEAR(largest_off(simscape), error_of(x.to("simscape")), 1e-9);
+  // Below its breakaway velocity the block passes through zero.
+  const targets::Exported written = x.to("simscape");
+  EXPECT_NEAR(largest_off(simscape, speed), error_of(written), 1e-2 * error_of(written));
+  EXPECT_NEAR(written.json["axes"][0]["slowest_mm_per_s"].get<double>(), 1e3 * speed, 1e-9);
+}
+
+// 190 N that fall to 118 within 5 mm/s, of an axis that goes to 630 mm/s: of evenly spaced speeds the slowest one decided, and the fall was gone.
+TEST(SteadyTarget, SimscapeKeepsAStribeckPartOfSlowMotion) {
+  Export x(R"(axis = "x"
+mass = "80 kg"
+load = "0 N"
+delay = "0 ms"
+[friction]
+eccentric = []
+places = []
+[friction.steady]
+kind = "conventional"
+alpha0 = "118 N"
+alpha2 = "0.2 N s/mm"
+stribeck = { alpha1 = "190 N", v0 = "5 mm/s", delta = 2 }
+[friction.dynamics]
+kind = "static"
+)");
+  x.request.speed = "630 mm/s";
+  const std::string block = x.text("simscape");
+  const double speed = number_behind(block, "brkwy_vel = ");
+  EXPECT_GT(speed, 0.5e-3);
+  EXPECT_LT(speed, 8e-3);
+  EXPECT_GT(number_behind(block, "brkwy_frc = "), 160.0);
+  EXPECT_LT(error_of(x.to("simscape")), 25.0);
 }
 
 /// Rows of the matrix behind `mark`: "[0, 1; 2, 3]".

@@ -22,6 +22,11 @@ std::string function_of(const Axis& axis, const SourceTables& tables, const std:
       "  velocity : LREAL; (* of the command, m/s *)\n"
       "  position : LREAL; (* of the command, m *)\n"
       "END_VAR\n"
+      // Behind constants some compilers take these for constants too.
+      "VAR\n"
+      "  i : INT;\n"
+      "  s, level, other, F : LREAL;\n"
+      "END_VAR\n"
       "VAR CONSTANT\n"
       "  mass : LREAL := {:.9e}; (* kg *)\n"
       "  load : LREAL := {:.9e}; (* N *)\n",
@@ -31,10 +36,6 @@ std::string function_of(const Axis& axis, const SourceTables& tables, const std:
   out += array_of("speed_n", speeds_of(tables.negative), tables.negative.size());
   out += array_of("force_n", forces_of(tables.negative), tables.negative.size());
   out +=
-      "END_VAR\n"
-      "VAR\n"
-      "  i : INT;\n"
-      "  s, level, other, F : LREAL;\n"
       "END_VAR\n"
       "s := ABS(velocity);\n"
       "level := 0.0;\n"

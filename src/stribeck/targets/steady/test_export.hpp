@@ -56,11 +56,11 @@ struct SteadyExport {
 
 inline double error_of(const targets::Exported& e) { return e.json["axes"][0]["max_error_N"].get<double>(); }
 
-/// Largest difference between a friction of either direction and that of kSteadyAxis over the speeds of the export.
-inline double largest_off(const std::function<double(double)>& at) {
+/// Largest difference between a friction of either direction and that of kSteadyAxis over the speeds of the export, from the slowest one [m/s].
+inline double largest_off(const std::function<double(double)>& at, double slowest = 1e-4) {
   double largest = 0.0;
   for (int i = 0; i <= 1000; ++i) {
-    const double v = 1e-4 + (0.1 - 1e-4) * i / 1000.0;
+    const double v = slowest + (0.1 - slowest) * i / 1000.0;
     largest = std::max({largest, std::abs(at(v) - friction_of(v)), std::abs(at(-v) - friction_of(-v))});
   }
   return largest;
