@@ -40,9 +40,10 @@ int tune(const TuneCommand& o) {
     run_tuning(tuning, [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
   const report::Made made = made_from(inputs);
-  write_json(o.common.json, report::to_json(tuning.result, tuning.spec), made);
-  report::write_tune_report(folders_of(o.common), {tuning.result, tuning.spec, tuning.parameters.words,
-                                                   made.command, made.version, made.inputs});
+  write_json(o.common.json, report::to_json(tuning.result, tuning.spec, tuning.trade_off), made);
+  report::write_tune_report(folders_of(o.common),
+                            {tuning.result, tuning.spec, tuning.parameters.words, made.command, made.version,
+                             made.inputs, tuning.trade_off});
   write_tuned(tuning, o.out, STRIBECK_VERSION);
   say(o.common, text_of(tuning));
   const std::string none = missed(tuning);
@@ -66,6 +67,20 @@ void add_tune(CLI::App& app, Action& action) {
               "Tune only this controller, repeatable: an id of the experiment, {}, or a controller file",
               report::listed(built_in_controllers())))
       ->type_name("ID|NAME|FILE.toml");
+  verb->add_option(
+          "--goal", o->what.goal,
+          "What the gains are for: accuracy (largest error and RMS), surface (quadrant glitch and SD) or speed (lag of the "
+          "axes, which grows with the feed, and RMS)")
+      ->check(one_of({"accuracy", "surface", "speed"}))
+      ->capture_default_str();
+  verb->add_option(
+          "--machines", o->what.machines,
+          "Machines that the gains must suit: nominal, the given one, or nearby, also with mass and friction up and down, a "
+          "period of delay and a mode; left out: nominal, but nearby where an axis is simulated as its identified model")
+      ->check(one_of({"nominal", "nearby"}));
+  verb->add_flag(
+      "--trade-off", o->what.trade_off,
+      "Search again with 50 to 200 % of the limit of mean |Δu|: what a rougher input buys. Takes six times as long");
   verb->add_option("--phase-margin", o->what.phase_margin,
                    "Smallest allowed phase margin of the loop, in degrees")
       ->check(number_from(1.0, 90.0))

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -38,6 +39,14 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
     s.limits.axial_mode.assign(control::kMostAxes, mode);
   }
   s.evaluations = o.evaluations;
+  s.goal = *enum_value<sim::TuneGoal>(o.goal);
+  s.nearby = o.machines == "nearby";
+  if (o.machines.empty()) {
+    // On the model itself feedback is worth nothing, and gains would be as low as they can be.
+    const std::vector<std::size_t> axes = sim::chosen_axes(machine, s.compare);
+    s.nearby = std::any_of(axes.begin(), axes.end(),
+                           [&](std::size_t i) { return !machine.axes[i].second.truth_from.empty(); });
+  }
   s.stick_slip = o.stick_slip;
   return s;
 }

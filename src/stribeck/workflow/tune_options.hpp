@@ -26,6 +26,10 @@ struct TuneOptions {
   std::string input_variation;  ///< largest mean |Δu|; empty: that of the thesis's last controller
   std::string axial_mode;       ///< frequency; empty: rigid
   int evaluations = 300;
+  std::string goal = "accuracy";  ///< or surface, speed
+  std::string
+      machines;  ///< nominal or nearby; empty: nearby where an axis is simulated as its identified model
+  bool trade_off = false;   ///< also look for what other limits of the variation give
   bool stick_slip = false;  ///< look for the slowest smooth speed of every axis
 };
 

@@ -11,6 +11,7 @@
 #include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/run/loop_figures.hpp>
 #include <stribeck/report/run/smooth_speeds.hpp>
+#include <stribeck/report/run/tune_choice.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <vector>
@@ -89,9 +90,13 @@ std::string shown(double si, const Quantity& q) {
 }
 
 std::string method_in_words(const sim::TuneSpec& spec) {
+  constexpr std::array kGoals{"accuracy (largest error and RMS)", "surface (quadrant glitch and SD)",
+                              "speed (lag of the axes and RMS)"};
   return fmt::format(
-      "{} evaluations for each controller, {} trial{} each; reported: {} trial{} with other noise",
-      spec.evaluations, spec.search_trials, spec.search_trials == 1 ? "" : "s", spec.compare.trials,
+      "for {}{}, {} evaluations for each controller, {} trial{} each; reported: {} trial{} with other noise",
+      kGoals[static_cast<std::size_t>(spec.goal)],
+      spec.nearby ? ", on the given machine and on those that it may be" : "", spec.evaluations,
+      spec.search_trials, spec.search_trials == 1 ? "" : "s", spec.compare.trials,
       spec.compare.trials == 1 ? "" : "s");
 }
 
@@ -144,7 +149,8 @@ std::string why_none(const sim::TunedController& c, const sim::TuneSpec& spec) {
                      in_words(*c.miss, spec));
 }
 
-std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec) {
+std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec,
+                       const sim::TradeOff& trade_off) {
   std::string out =
       "Limits: " + limits_in_words(result, spec) + ".\nSearch: " + method_in_words(spec) + ".\n";
   {
@@ -182,7 +188,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
     out += fmt::format("\n{}, at its own gains → tuned\n", spec.compare.travels[t].pace_in_words()) +
            lay_out(columns);
   }
-  out += smooth_speed_text(result);
+  out += nearby_text(result) + trade_off_text(trade_off, spec) + smooth_speed_text(result);
   TextColumn id{"", "", {}, false};
   id.least = kLongestId;
   TextColumn name{"gain", "", {}, false};
@@ -210,7 +216,8 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
   return out;
 }
 
-nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec) {
+nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec,
+                               const sim::TradeOff& trade_off) {
   const auto margins = [&](const sim::LoopMargins& m, const sim::LoopResponse& loop) {
     return Json{{"stable", m.stable},
                 {"phase_deg", number_or_null(m.phase * kDegrees)},
@@ -236,6 +243,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
   out["seed"] = spec.compare.seed;
   out["trials"] = spec.compare.trials;
   out["evaluations"] = spec.evaluations;
+  out["goal"] = enum_name(spec.goal);
   out["limits"] = {{"phase_margin_deg", number_or_null(spec.limits.phase_margin * kDegrees)},
                    {"gain_margin_dB", number_or_null(decibels(spec.limits.gain_margin))},
                    {"delay_margin_periods", number_or_null(spec.limits.delay_margin)},
@@ -264,6 +272,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
       one["slowest_smooth_speed"] = {{"start", smooth_speed_json(c.start_smooth, result.axes)},
                                      {"tuned", smooth_speed_json(c.tuned_smooth, result.axes)}};
     }
+    one["machines"] = nearby_json(c);
     one["rows"] = Json::array();
     for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
       one["rows"].push_back({{"travel", spec.compare.travels[t].pace_in_words()},
@@ -272,6 +281,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     }
     out["controllers"].push_back(std::move(one));
   }
+  out["trade_off"] = trade_off_json(trade_off, spec);
   out["warnings"] = travel_warnings(spec.compare);
   return out;
 }
@@ -390,6 +400,8 @@ Page tune_report_page(const TuneReportInput& input) {
     }
     page.table(table);
   }
+  add_nearby(page, r);
+  add_trade_off(page, input.trade_off);
   page.section("Margins of the loop");
   Table margins;
   margins.columns = {{"", "", false},

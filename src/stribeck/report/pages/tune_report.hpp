@@ -7,7 +7,8 @@
 ///           "margins": {"start": {"stable", "phase_deg", "gain_dB", "delay_periods", "modulus", "crossover_rad_per_s",
 ///           "response": of the loop nearest to instability (report/run/loop_figures.hpp) or null},
 ///           "tuned": the same or null}, "rows": [{"travel", "start": {"max_contour_error_um", "quadrant_glitch_um", "rms_um",
-///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}], "warnings": of the paths}
+///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}], "goal", "trade_off" and "machines" of each
+///           controller (report/run/tune_choice.hpp), "warnings": of the paths}
 ///
 /// Real time: no. Errors: io::InputError of files.
 
@@ -21,9 +22,11 @@ namespace stribeck::report {
 /// Why there are no tuned gains, and how near the nearest ones came; empty where there are some.
 std::string why_none(const sim::TunedController& controller, const sim::TuneSpec& spec);
 
-std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec);
+std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec,
+                       const sim::TradeOff& trade_off = {});
 
-nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec);
+nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec,
+                               const sim::TradeOff& trade_off = {});
 
 struct TuneReportInput {
   sim::TuneResult result;
@@ -32,6 +35,7 @@ struct TuneReportInput {
   std::string command;
   std::string version;
   std::vector<InputFile> inputs = {};  ///< that the result came from
+  sim::TradeOff trade_off = {};
 };
 
 std::string tune_report(const TuneReportInput& input);

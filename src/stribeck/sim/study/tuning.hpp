@@ -4,7 +4,9 @@
 ///   gains      every positive number of the law and of its controller that counts in powers of time (1/s, 1/s², 1/s³, rad/s, s,
 ///              m/s, m/s², N²/s) and has an effect; entries of a list one by one. Shares, bounds and choices are not gains.
 ///   unknowns   logarithms of the gains over their start, within a factor of 20
-///   objective  J = mean over travels and trials of (max |ε| + RMS)
+///   objective  J = mean over machines, travels and trials of max |ε| + RMS (accuracy), of quadrant glitch + SD (surface), or of mean
+///              |e| of the axes + RMS (speed: the lag that grows with the feed)
+///   machines   the given one; or with nearby_machines() those that it may be, so that gains suit more than the model
 ///   limits     phase, gain and delay margin of loop_margins.hpp; mean |Δu| on each travel not above that of a reference
 ///              controller at its own gains under the same noise, or above a value
 ///   method     the start, or where that breaks a limit the start made slower as a whole (each gain by its power of time: damping
@@ -22,6 +24,7 @@
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/study/loop_margins.hpp>
 #include <stribeck/sim/study/stick_slip.hpp>
+#include <stribeck/sim/study/variation.hpp>
 
 namespace stribeck::sim {
 
@@ -32,11 +35,15 @@ inline constexpr std::uint32_t kSearchTrial = 1000000;
 /// trials on V2 the mean of a controller moves by 0.2 %, and that of the reference with it.
 inline constexpr double kKeptBack = 0.005;
 
+/// What the gains are chosen for.
+enum class TuneGoal { kAccuracy, kSurface, kSpeed };
+
 struct TuneLimits {
   double phase_margin = kPi / 4.0;          ///< [rad]
   double gain_margin = 1.9952623149688795;  ///< factor; 6 dB
   double delay_margin = 1.0;                ///< control periods
   std::optional<double> input_variation;    ///< [V]; empty: that of the reference on each travel
+  double variation_share = 1.0;             ///< of that limit: trade_off() asks for several
   std::vector<std::optional<plant::AxialMode>> axial_mode;  ///< per axis of the spec, declared; empty: none
 };
 
@@ -45,6 +52,8 @@ struct TuneSpec {
   std::optional<ControllerSpec>
       reference;  ///< its variation is the limit; empty: the last of the controllers
   TuneLimits limits;
+  TuneGoal goal = TuneGoal::kAccuracy;
+  bool nearby = false;              ///< gains for all nearby_machines()
   int evaluations = 300;            ///< of J, for each controller
   std::uint32_t search_trials = 2;  ///< of each evaluation
   bool stick_slip = false;          ///< look for the slowest smooth speeds too
@@ -61,6 +70,13 @@ struct TunedGain {
 struct TravelScore {
   Metrics mean;
   Metrics spread;
+};
+
+/// Largest contour error on one of the machines, mean over travels and trials [m]; NaN: refused there, infinite: the path was lost.
+struct MachineScore {
+  std::string machine;
+  double before = 0.0;
+  double after = 0.0;
 };
 
 enum class Limit { kStability, kPhaseMargin, kGainMargin, kDelayMargin, kInputVariation, kPath };
@@ -90,6 +106,7 @@ struct TunedController {
   std::vector<TravelScore> before;        ///< per travel; empty where the start cannot be run
   std::vector<TravelScore> after;         ///< per travel; empty where no gains meet the limits
   std::string before_refused;             ///< why the start cannot be run
+  std::vector<MachineScore> machines;     ///< of nearby_machines(); empty: the given one alone
   int evaluations = 0;                    ///< of J
   int tries = 0;                          ///< gains that were tried, by their margins or by a run
 
@@ -109,6 +126,17 @@ struct TuneResult {
 TuneResult tune(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
                 const std::function<void(std::size_t, std::size_t)>& progress = {});
 
+/// Contour error against input variation: the same search under several shares of the limit of variation.
+struct TradeOff {
+  std::vector<double> shares;       ///< of the limit; empty: not looked for
+  std::vector<TuneResult> results;  ///< of tune(), one for each share
+};
+
+/// What a rougher input buys. Each share is a search of its own.
+TradeOff trade_off(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
+                   const std::vector<double>& shares,
+                   const std::function<void(std::size_t, std::size_t)>& progress = {});
+
 /// A number that the search may change.
 struct Gain {
   std::string name;
@@ -124,3 +152,11 @@ std::vector<Gain> gains_of(ControllerSpec& controller, std::size_t axes);
 ControllerSpec slowed(const ControllerSpec& controller, std::size_t axes, double share);
 
 }  // namespace stribeck::sim
+
+template <>
+struct stribeck::EnumNames<stribeck::sim::TuneGoal> {
+  static constexpr std::array names{
+      std::pair{stribeck::sim::TuneGoal::kAccuracy, std::string_view{"accuracy"}},
+      std::pair{stribeck::sim::TuneGoal::kSurface, std::string_view{"surface"}},
+      std::pair{stribeck::sim::TuneGoal::kSpeed, std::string_view{"speed"}}};
+};

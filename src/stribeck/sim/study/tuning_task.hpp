@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <stribeck/sim/study/tuning.hpp>
 #include <stribeck/sim/trials_together.hpp>
@@ -40,17 +41,37 @@ inline constexpr std::uint32_t kCheckTrials = 10;
 /// Noise under which points are simulated, and the variation of the reference under it.
 struct Trials {
   std::uint32_t first = 0;
-  std::uint32_t count = 0;
+  std::uint32_t count = 0;              ///< on the given machine
+  std::uint32_t nearby = 0;             ///< on each of the others
   std::vector<double> variation_limit;  ///< per travel [V]
 };
+
+/// Drives of each machine, the given one first.
+using Fleet = std::deque<EqualDrives>;
+
+/// What a run costs by the goal of the search [m].
+inline double cost_of(const Metrics& m, TuneGoal goal, std::size_t axes) {
+  switch (goal) {
+    case TuneGoal::kSurface:
+      // A path without a reversal has no glitch.
+      return (std::isfinite(m.quadrant_glitch) ? m.quadrant_glitch : 0.0) + m.sd;
+    case TuneGoal::kSpeed: {
+      double lag = 0.0;
+      for (std::size_t i = 0; i < axes; ++i) lag += m.mean_abs_tracking[i] / static_cast<double>(axes);
+      return lag + m.rms;
+    }
+    default:
+      return m.max_contour_error + m.rms;
+  }
+}
 
 template <std::size_t N>
 class Task {
  public:
   Task(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
        const std::vector<std::size_t>& axes, const std::vector<std::shared_ptr<const Route<N>>>& routes,
-       EqualDrives& drives)
-      : machine_(machine), knowledge_(knowledge), spec_(spec), axes_(axes), routes_(routes), drives_(drives) {
+       Fleet& fleet)
+      : machine_(machine), knowledge_(knowledge), spec_(spec), axes_(axes), routes_(routes), fleet_(fleet) {
     for (std::size_t i = 0; i < N && i < spec.limits.axial_mode.size(); ++i)
       modes_[i] = spec.limits.axial_mode[i];
   }
@@ -82,21 +103,23 @@ class Task {
             fastest, [&](double v) { return !oscillates(loops[i], model->mass, model->friction, v); });
       }
       one.simulated = slowest_smooth(
-          fastest, [&](double v) { return !sticks<N>(drives_[0], controller, *routes_.front(), i, v); });
+          fastest, [&](double v) { return !sticks<N>(fleet_[0][0], controller, *routes_.front(), i, v); });
       out.push_back(one);
     }
     return out;
   }
 
   void choose_substeps(const ControllerSpec& c) {
-    substeps_.clear();
-    for (const auto& route : routes_) {
-      substeps_.push_back(
-          substeps_for<N>(drives_[0], setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
+    substeps_.assign(fleet_.size(), {});
+    for (std::size_t m = 0; m < fleet_.size(); ++m) {
+      for (const auto& route : routes_) {
+        substeps_[m].push_back(
+            substeps_for<N>(fleet_[m][0], setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
+      }
     }
   }
 
-  /// Variation of the input and J on these trials.
+  /// Variation of the input, on the given machine, and J on these trials.
   void run(const ControllerSpec& c, const Trials& trials, Point& p) {
     p.variation.assign(routes_.size(), 0.0);
     double sum = 0.0;
@@ -104,16 +127,26 @@ class Task {
       const auto controller = make_controller<N>(c.law, setup(c, *routes_[t]));
       const auto route = guided(c, routes_[t]);
       std::vector<RunTogether<N>> runs;
-      for (std::uint32_t trial = 0; trial < trials.count; ++trial)
-        runs.push_back({&drives_[trial], controller, {substeps_[t], true, true}, trials.first + trial});
-      for (const RunResult& run : Drives::run_together<N>(runs, *route, spec_.compare.seed)) {
-        const Metrics& m = run.metrics;
-        sum += m.max_contour_error + m.rms;
-        p.variation[t] += m.input_variation / trials.count;
-        if (!(m.max_contour_error <= kLost * route->size)) sum = std::numeric_limits<double>::infinity();
+      for (std::size_t m = 0; m < fleet_.size(); ++m) {
+        for (std::uint32_t trial = 0; trial < on_machine(m, trials); ++trial)
+          runs.push_back(
+              {&fleet_[m][trial], controller, {substeps_[m][t], true, true}, trials.first + trial});
+      }
+      const std::vector<RunResult> results = Drives::run_together<N>(runs, *route, spec_.compare.seed);
+      std::size_t run = 0;
+      for (std::size_t m = 0; m < fleet_.size(); ++m) {
+        const std::uint32_t count = on_machine(m, trials);
+        const double weight = static_cast<double>(trials.count) / count;  // machines count alike
+        for (std::uint32_t trial = 0; trial < count; ++trial) {
+          const Metrics& figures = results[run++].metrics;
+          sum += weight * cost_of(figures, spec_.goal, N);
+          if (m == 0) p.variation[t] += figures.input_variation / count;
+          if (!(figures.max_contour_error <= kLost * route->size))
+            sum = std::numeric_limits<double>::infinity();
+        }
       }
     }
-    p.objective = sum / static_cast<double>(routes_.size() * trials.count);
+    p.objective = sum / static_cast<double>(routes_.size() * fleet_.size() * trials.count);
   }
 
   /// Computes margins, then runs the point unless its loop is unstable.
@@ -162,6 +195,9 @@ class Task {
   }
 
  private:
+  static std::uint32_t on_machine(std::size_t m, const Trials& trials) {
+    return m == 0 ? trials.count : trials.nearby;
+  }
   /// Adds one more limit of a point.
   static void add(Point& p, double e) {
     if (std::isnan(e)) e = std::numeric_limits<double>::infinity();
@@ -188,9 +224,9 @@ class Task {
   const TuneSpec& spec_;
   const std::vector<std::size_t>& axes_;
   const std::vector<std::shared_ptr<const Route<N>>>& routes_;
-  EqualDrives& drives_;
+  Fleet& fleet_;
   DeclaredModes<N> modes_;
-  std::vector<int> substeps_;
+  std::vector<std::vector<int>> substeps_;  ///< per machine and route
 };
 
 }  // namespace stribeck::sim::tuning

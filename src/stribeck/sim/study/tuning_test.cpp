@@ -141,6 +141,69 @@ TEST(Tune, FindsAnotherShapeWhereNoSpeedHasTheMargins) {
   EXPECT_GT(c.tries, c.evaluations);
 }
 
+// A spec whose gains suit the given machine alone: its loop is at its limit of variation, and one more period of delay makes it ring.
+TEST(Tune, ForNearbyMachinesTheWorstOfThemGainsToo) {
+  TuneSpec s = short_spec();
+  s.evaluations = 40;
+  s.limits.input_variation = 1.0;
+  s.limits.delay_margin = 0.5;
+  s.limits.phase_margin = 0.4;
+  s.limits.gain_margin = 1.2;
+  const Machine machine = test::biaxial_table();
+  const TunedController alone = tune(machine, test::printed(), s).controllers[0];
+  EXPECT_TRUE(alone.machines.empty());
+  s.nearby = true;
+  const TunedController all = tune(machine, test::printed(), s).controllers[0];
+  ASSERT_TRUE(alone.found());
+  ASSERT_TRUE(all.found());
+  const std::vector<NearbyMachine> machines = nearby_machines(machine);
+  ASSERT_EQ(machines.size(), 9U);
+  ASSERT_EQ(all.machines.size(), 9U);
+  EXPECT_EQ(all.machines.front().machine, "nominal");
+  const auto error_with = [&](const Machine& m, const ControllerSpec& c) {
+    CompareSpec one = s.compare;
+    one.controllers = {c};
+    try {
+      return compare(m, test::printed(), one).rows[0].mean.max_contour_error;
+    } catch (const Refused&) {
+      return 1e-3;  // at the edge of stability, where no simulation settles
+    }
+  };
+  double of_alone = 0.0, of_all = 0.0;
+  for (std::size_t i = 0; i < machines.size(); ++i) {
+    of_alone += error_with(machines[i].machine, alone.tuned);
+    const double own = error_with(machines[i].machine, all.tuned);
+    of_all += own;
+    EXPECT_NEAR(all.machines[i].after, own, 0.2 * own) << all.machines[i].machine;  // fewer trials
+  }
+  EXPECT_LT(of_all, of_alone);
+}
+
+TEST(Tune, AGoalIsReachedBetterByItsOwnGains) {
+  TuneSpec s = short_spec();
+  s.evaluations = 60;
+  const auto tuned_for = [&](TuneGoal goal) {
+    s.goal = goal;
+    return tune(test::biaxial_table(), test::printed(), s).controllers[0].after.at(0).mean;
+  };
+  const Metrics surface = tuned_for(TuneGoal::kSurface);
+  const Metrics speed = tuned_for(TuneGoal::kSpeed);
+  const auto lag = [](const Metrics& m) {
+    return 0.5 * (m.mean_abs_tracking[0] + m.mean_abs_tracking[1]) + m.rms;
+  };
+  EXPECT_LT(surface.quadrant_glitch + surface.sd, speed.quadrant_glitch + speed.sd);
+  EXPECT_LT(lag(speed), lag(surface));
+}
+
+TEST(Tune, ARougherInputBuysAccuracy) {
+  const TuneSpec s = short_spec();
+  const TradeOff all = trade_off(test::biaxial_table(), test::printed(), s, {0.9, 1.0, 1.5});
+  ASSERT_EQ(all.results.size(), 3U);
+  EXPECT_NEAR(all.results[0].variation_limit[0], 0.9 * all.results[1].variation_limit[0], 1e-12);
+  for (const TuneResult& r : all.results) ASSERT_TRUE(r.controllers[0].found());
+  EXPECT_LT(error(all.results[2].controllers[0].after), error(all.results[0].controllers[0].after));
+}
+
 TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
   TuneSpec s = short_spec();
   s.limits.input_variation = 1e-6;

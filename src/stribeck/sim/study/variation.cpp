@@ -126,19 +126,71 @@ plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& de
   return p;
 }
 
-Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t seed, std::uint32_t machine) {
-  check(variation);
+namespace {
+
+/// `deviation(i)` is that of axis i. The data on the name plates stay the same, whatever the machine is like.
+template <class DeviationOf>
+Machine with_deviations(const Machine& nominal, const DeviationOf& deviation) {
   Machine m = nominal;
   for (std::uint32_t i = 0; i < m.axes.size(); ++i) {
     MachineAxis& axis = m.axes[i].second;
-    // The data on the name plates stay the same, whatever the machine is like.
     const NamePlate plate = axis.name_plate();
     axis.limits.force = plate.force;
     axis.commissioning.encoder_resolution = plate.encoder_resolution;
-    plant::AxisParams& p = axis.plant;
-    p = deviated(p, draw(variation, seed, machine, i));
+    axis.plant = deviated(axis.plant, deviation(i));
   }
   return m;
+}
+
+double middle_of_log(const std::array<double, 2>& range) { return std::sqrt(range[0] * range[1]); }
+
+}  // namespace
+
+Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t seed, std::uint32_t machine) {
+  check(variation);
+  return with_deviations(nominal, [&](std::uint32_t i) { return draw(variation, seed, machine, i); });
+}
+
+std::vector<NearbyMachine> nearby_machines(const Machine& nominal) {
+  const Variation v;
+  std::vector<NearbyMachine> all{{"nominal", nominal}};
+  const auto add = [&](std::string name, const Deviation& d) {
+    all.push_back({std::move(name), with_deviations(nominal, [&](std::uint32_t) { return d; })});
+  };
+  const auto scaled = [&](double mass, double friction) {
+    Deviation d;
+    d.mass = 1.0 + mass * v.mass;
+    d.friction = 1.0 + friction * v.friction;
+    std::string name;
+    const auto say = [&](const char* what, double share) {
+      if (share != 0.0) name += fmt::format("{}{} {:+.0f} %", name.empty() ? "" : ", ", what, 100.0 * share);
+    };
+    say("mass", mass * v.mass);
+    say("friction", friction * v.friction);
+    add(std::move(name), d);
+  };
+  for (const double sign : {1.0, -1.0}) {
+    scaled(sign, 0.0);
+    scaled(0.0, sign);
+    scaled(sign, sign);
+  }
+  const auto every = [&](auto&& can) {
+    return std::all_of(nominal.axes.begin(), nominal.axes.end(),
+                       [&](const auto& axis) { return can(axis.second.plant); });
+  };
+  if (every([](const plant::AxisParams& p) { return p.delay_periods < 8; })) {
+    Deviation d;
+    d.delay = 1;
+    add("one period later", d);
+  }
+  if (every([](const plant::AxisParams& p) { return !p.axial_mode && !p.lost_motion && !p.drive_loop; })) {
+    const AxialModeVariation m;
+    Deviation d;
+    d.axial_mode = plant::AxialMode{middle_of_log(m.frequency), middle_of_log(m.damping_ratio),
+                                    middle_of_log(m.table_share)};
+    add(fmt::format("mode at {:.0f} Hz", d.axial_mode->frequency), d);
+  }
+  return all;
 }
 
 std::vector<std::string> variation_factors() {

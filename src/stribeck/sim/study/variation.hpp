@@ -145,6 +145,17 @@ plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& de
 /// Machine number `machine` of a seed.
 Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t seed, std::uint32_t machine);
 
+/// One of the machines that a given one may be.
+struct NearbyMachine {
+  std::string name;  ///< "nominal", "mass +20 %", …
+  Machine machine;
+};
+
+/// The machines for which gains should do, by the ranges of Variation without chance, the same on every axis: the given one, each of mass
+/// and friction alone up and down, both up and both down, one period later, and with a mode in the middle of its ranges. Without the
+/// last two where the machine cannot have them.
+std::vector<NearbyMachine> nearby_machines(const Machine& nominal);
+
 /// Factors, by name: friction, stiffness, mass, delay, encoder, axial_mode, periodic, warming.
 std::vector<std::string> variation_factors();
 

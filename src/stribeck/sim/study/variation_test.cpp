@@ -291,6 +291,30 @@ TEST(Deviated, WarmingReachesThePlant) {
   EXPECT_NEAR(pushed(deviated(biaxial_x(), d), 0.8 * force, 40.0).velocity(), 2e-3, 1e-8);
 }
 
+TEST(NearbyMachines, AreTheRangesOfTheVariationWithoutChance) {
+  const Machine nominal = test::biaxial_table();
+  const std::vector<NearbyMachine> all = nearby_machines(nominal);
+  ASSERT_EQ(all.size(), 9U);
+  const auto named = [&](std::string_view name) -> const plant::AxisParams& {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
+    EXPECT_NE(found, all.end()) << name;
+    return found->machine.axes[1].second.plant;
+  };
+  const plant::AxisParams& own = nominal.axes[1].second.plant;
+  const auto level = [](const plant::AxisParams& p) { return p.friction.parts(0.01, 0.0).level; };
+  EXPECT_NEAR(named("mass +20 %").mass, 1.2 * own.mass, 1e-9);
+  EXPECT_NEAR(level(named("mass +20 %")), level(own), 1e-9);
+  EXPECT_NEAR(level(named("friction -30 %")), 0.7 * level(own), 1e-9);
+  EXPECT_NEAR(named("mass -20 %, friction -30 %").mass, 0.8 * own.mass, 1e-9);
+  EXPECT_EQ(named("one period later").delay_periods, own.delay_periods + 1);
+  EXPECT_NEAR(named("mode at 134 Hz").axial_mode->frequency, std::sqrt(60.0 * 300.0), 1e-9);
+  // Eight periods are the most, and a mode of its own stays.
+  Machine late = nominal;
+  late.axes[0].second.plant.delay_periods = 8;
+  late.axes[0].second.plant.axial_mode = plant::AxialMode{80.0, 0.02, 0.1};
+  EXPECT_EQ(nearby_machines(late).size(), 7U);
+}
+
 TEST(Vary, RefusesWhatIsNoRange) {
   const auto refused = [](const Variation& v, const Machine& m = test::biaxial_table()) {
     try {
