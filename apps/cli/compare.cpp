@@ -20,6 +20,7 @@
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/run/comparison.hpp>
+#include <stribeck/workflow/run/tuning.hpp>
 #include <stribeck/workflow/traces.hpp>
 
 namespace stribeck::cli {
@@ -92,13 +93,14 @@ int compare(const CompareCommand& o) {
   Comparison comparison;
   {
     Progress progress("compare", o.common.quiet);
-    comparison = run_comparison(o.what, [&](std::size_t done, std::size_t all) { progress(done, all); });
+    const auto run = o.what.tuned ? run_tuned_comparison : run_comparison;
+    comparison = run(o.what, [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
-  const auto& [experiment, machine, parameters, result, uncovered] = comparison;
+  const auto& [experiment, machine, parameters, result, warnings] = comparison;
   if (!o.traces.empty()) write_traces(o.traces, machine, parameters, result, o.common.quiet);
   // The printed figures are those of one machine.
-  const auto printed = is_built_in(o.what.machine, "biaxial-table") && o.what.parameters.axis_files.empty() &&
-                               o.what.drive.empty()
+  const auto printed = is_built_in(o.what.machine, "biaxial-table") && !o.what.tuned &&
+                               o.what.parameters.axis_files.empty() && o.what.drive.empty()
                            ? printed_for(o.what, experiment)
                            : std::span<const report::PrintedTable>();
   write_json(o.common.json, to_json(comparison), made);
@@ -121,7 +123,7 @@ int compare(const CompareCommand& o) {
     input.command = made.command;
     input.version = made.version;
     input.inputs = made.inputs;
-    input.warnings = uncovered;
+    input.warnings = warnings;
     input.printed = printed;
     report::write_compare_report(folders_of(o.common), input);
     if (!o.common.report.empty()) write_evidence(o.common.report, machine, parameters);
@@ -129,7 +131,7 @@ int compare(const CompareCommand& o) {
   say(o.common, part_words(result.spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");
-  for (const std::string& warning : uncovered) say(o.common, "Warning: " + warning + ".\n");
+  for (const std::string& warning : warnings) say(o.common, "Warning: " + warning + ".\n");
   const auto drift = report::drift_words(result);
   if (!drift.empty())
     say(o.common, "Change since identification, estimated by adaptation at the end of the first trial:\n");
@@ -170,6 +172,8 @@ void add_compare(CLI::App& app, Action& action) {
                    "Of the controllers of the experiment run only these, by their ids, e.g. --only f,g,i")
       ->delimiter(',')
       ->type_name("ID");
+  verb->add_flag("--tuned", o->what.tuned,
+                 "Each controller at its best gains, as tune finds them within its usual limits");
   add_path_options(*verb, o->what.path);
   verb->add_option(
           "--traces", o->traces,

@@ -113,7 +113,7 @@ int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
     warnings.emplace_back(
         "an axis moves less than half as far as it should: friction holds it (gains too low, a wrong unit of a gain, or a drive "
         "without force), so that errors of the path mean nothing");
-  warnings.insert(warnings.end(), run.uncovered.begin(), run.uncovered.end());
+  warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
   report_log(o.common, made_from(inputs_of(o)), errors_first(run.log, one.axes),
              fmt::format("Controller ({}) on {}", controller.id, travel.name),
              fmt::format("{}, {}: {}.{}", controller.label, pace, figures, place_of_largest(machine, one)),

@@ -47,8 +47,8 @@ sim::CompareSpec spec_of(const ComparisonOptions& o, const std::string& experime
   return s;
 }
 
-/// On a machine of one's own the gains of the experiment are a rule for recording: its (a) says little of the loop that the
-/// control has today.
+}  // namespace
+
 std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
   const auto& all = plan.spec.controllers;
   const bool without =
@@ -76,7 +76,33 @@ std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
   return words;
 }
 
-}  // namespace
+std::vector<std::string> harmful_speeds(const sim::CompareResult& result) {
+  std::vector<std::string> all;
+  for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
+    const sim::CompareRow* plain = nullptr;
+    const sim::CompareRow* best = nullptr;
+    for (const sim::CompareRow& r : result.rows) {
+      if (r.travel != travel || !r.refused.empty() || !std::isfinite(r.mean.max_contour_error)) continue;
+      const sim::ControllerSpec& c = r.controller;
+      const bool compensates =
+          c.friction != sim::FrictionUse::kNone || c.observer != control::Observer::kNone;
+      if (!compensates) {
+        if (plain == nullptr) plain = &r;
+      } else if (best == nullptr || r.mean.max_contour_error < best->mean.max_contour_error) {
+        best = &r;
+      }
+    }
+    if (plain == nullptr || best == nullptr ||
+        !(best->mean.max_contour_error > plain->mean.max_contour_error))
+      continue;
+    all.push_back(fmt::format(
+        "at {} every compensation does harm: ({}) leaves {:.3g} um without any, ({}), the best of the others, {:.3g} um (leave it off for "
+        "such motion, or compare with a finer encoder, a shorter control period or another interface of the drives, --drive)",
+        result.spec.travels[travel].pace_in_words(), plain->controller.id,
+        1e6 * plain->mean.max_contour_error, best->controller.id, 1e6 * best->mean.max_contour_error));
+  }
+  return all;
+}
 
 std::vector<std::string> inputs_of(const ComparisonOptions& o) {
   std::vector<std::string> inputs = o.controllers;
@@ -99,7 +125,10 @@ Comparison run_plan(ComparisonPlan plan, Parameters parameters,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
   Comparison out{std::move(plan.experiment), std::move(plan.machine), std::move(parameters), {}, {}};
   out.result = sim::compare(out.machine, out.parameters.knowledge, plan.spec, progress);
-  out.uncovered = check_coverage(out.result, sim::chosen_axes(out.machine, plan.spec), out.parameters);
+  out.warnings = harmful_speeds(out.result);
+  for (std::string& warning :
+       check_coverage(out.result, sim::chosen_axes(out.machine, plan.spec), out.parameters))
+    out.warnings.push_back(std::move(warning));
   return out;
 }
 
@@ -110,13 +139,13 @@ Comparison run_comparison(const ComparisonOptions& o,
   Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
   const std::string note = whose_loop(plan, o);
   Comparison out = run_plan(std::move(plan), std::move(parameters), progress);
-  if (!note.empty()) out.uncovered.push_back(note);
+  if (!note.empty()) out.warnings.push_back(note);
   return out;
 }
 
 nlohmann::ordered_json to_json(const Comparison& comparison) {
   nlohmann::ordered_json json = report::to_json(comparison.result, comparison.experiment);
-  for (const std::string& warning : comparison.uncovered) json["warnings"].push_back(warning);
+  for (const std::string& warning : comparison.warnings) json["warnings"].push_back(warning);
   return json;
 }
 

@@ -32,6 +32,7 @@ struct ComparisonOptions {
   std::vector<std::string> speeds;
   std::vector<std::string> controllers;  ///< names or files of further ones
   std::vector<std::string> only;         ///< ids of those that run
+  bool tuned = false;                    ///< each at its best gains: run_tuned_comparison() of run/tuning.hpp
   PathOptions path;
 };
 
@@ -43,7 +44,7 @@ struct Comparison {
   sim::Machine machine;
   Parameters parameters;
   sim::CompareResult result;
-  std::vector<std::string> uncovered;  ///< check_coverage() of the result
+  std::vector<std::string> warnings;  ///< harmful_speeds() and check_coverage() of the result
 };
 
 /// What runs, before anything is identified or simulated.
@@ -54,6 +55,12 @@ struct ComparisonPlan {
 };
 /// Experiment, path and controllers for a machine; options.machine only names it in messages.
 ComparisonPlan plan_comparison(const ComparisonOptions& options, sim::Machine machine);
+
+/// A sentence for each speed at which every compensation leaves a larger error than none: in a table of many rows it is overlooked.
+std::vector<std::string> harmful_speeds(const sim::CompareResult& result);
+
+/// On a machine of one's own: (a) is a rule for recording, not the loop of the control. Empty elsewhere.
+std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& options);
 
 /// Runs it with parameters that are known already.
 Comparison run_plan(ComparisonPlan plan, Parameters parameters,

@@ -10,6 +10,7 @@
 namespace stribeck::workflow::comparison_test {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -35,6 +36,34 @@ TEST(Comparison, OnlyChoosesAmongTheControllersOfTheExperiment) {
   o.only = {"q"};
   EXPECT_THAT([&] { ids_of(o); },
               ThrowsMessage<io::InputError>(HasSubstr("got \"q\", expected one of a, b")));
+}
+
+TEST(Comparison, SaysWhereCompensationDoesHarm) {
+  sim::CompareResult result;
+  result.spec.travels.resize(2);
+  result.spec.travels[0].speed = 5e-3;
+  result.spec.travels[1].speed = 50e-3;
+  const auto add = [&](const char* id, std::size_t travel, sim::FrictionUse friction, double error) {
+    sim::CompareRow row;
+    row.controller.id = id;
+    row.controller.friction = friction;
+    row.travel = travel;
+    row.mean.max_contour_error = error;
+    result.rows.push_back(row);
+  };
+  using enum sim::FrictionUse;
+  add("a", 0, kNone, 14.7e-6);
+  add("b", 0, kConventional, 24.5e-6);
+  add("i", 0, kWhole, 48.6e-6);
+  add("a", 1, kNone, 40e-6);
+  add("b", 1, kConventional, 41e-6);
+  add("i", 1, kWhole, 3e-6);
+  EXPECT_THAT(
+      harmful_speeds(result),
+      ElementsAre(AllOf(HasSubstr("at 5 mm/s every compensation does harm: (a) leaves 14.7 um without any"),
+                        HasSubstr("(b), the best of the others, 24.5 um"))));
+  result.rows[1].mean.max_contour_error = 14e-6;
+  EXPECT_THAT(harmful_speeds(result), testing::IsEmpty());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ PathRun run_path(const PathRunOptions& o, const sim::Machine& machine, const std
   check_travel(machine, file, out.spec);
   const Parameters parameters = get_parameters(machine, file, o.parameters, out.spec);
   out.result = sim::run_once(machine, parameters.knowledge, out.spec, o.trial);
-  out.uncovered = check_coverage(out.result, sim::chosen_axes(machine, out.spec), parameters);
+  out.warnings = check_coverage(out.result, sim::chosen_axes(machine, out.spec), parameters);
   out.log = as_log(out.result.axes, out.result.rows.front().trace);
   const sim::ControllerSpec& controller = out.spec.controllers.front();
   const sim::Travel& travel = out.spec.travels.front();
@@ -28,7 +28,7 @@ PathRun run_path(const PathRunOptions& o, const sim::Machine& machine, const std
 nlohmann::ordered_json to_json(const PathRun& run) {
   nlohmann::ordered_json json = report::to_json(run.result, run.experiment);
   json["schema"] = "stribeck.simulate/1";
-  for (const std::string& warning : run.uncovered) json["warnings"].push_back(warning);
+  for (const std::string& warning : run.warnings) json["warnings"].push_back(warning);
   return json;
 }
 

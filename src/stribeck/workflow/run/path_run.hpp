@@ -24,9 +24,9 @@ struct PathRunOptions {
 struct PathRun {
   std::string experiment;
   sim::CompareSpec spec;
-  sim::CompareResult result;           ///< one row
-  io::Log log;                         ///< its trace
-  std::vector<std::string> uncovered;  ///< check_coverage() of the result
+  sim::CompareResult result;          ///< one row
+  io::Log log;                        ///< its trace
+  std::vector<std::string> warnings;  ///< check_coverage() of the result
 };
 
 /// `file`: where the machine comes from, for messages.

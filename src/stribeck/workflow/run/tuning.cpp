@@ -34,6 +34,7 @@ Tuning plan_tuning(const TuneOptions& options, const ParameterOptions& origin,
   t.machine = read_virtual_machine(machine_file, origin.axis_files, AxisWithoutTruth::kLeftOut);
   t.origin = origin;
   t.spec = tune_spec(options, origin, t.machine, machine_file);
+  t.wants_trade_off = options.trade_off;
   check_travel(t.machine, machine_file, t.spec.compare);
   return t;
 }
@@ -42,7 +43,52 @@ void run_tuning(Tuning& t, const std::function<void(std::size_t, std::size_t)>& 
   sim::CompareSpec needed = t.spec.compare;
   if (!t.spec.limits.input_variation) needed.controllers.push_back(*t.spec.reference);
   t.parameters = get_parameters(t.machine, t.machine_file, t.origin, needed);
-  t.result = sim::tune(t.machine, t.parameters.knowledge, t.spec, progress);
+  const std::vector<double> shares{0.5, 0.7, 1.0, 1.4, 2.0};
+  const std::size_t searches = 1 + (t.wants_trade_off ? shares.size() : 0);
+  t.result = sim::tune(t.machine, t.parameters.knowledge, t.spec, [&](std::size_t done, std::size_t all) {
+    if (progress) progress(done, searches * all);
+  });
+  if (!t.wants_trade_off) return;
+  t.trade_off = sim::trade_off(t.machine, t.parameters.knowledge, t.spec, shares,
+                               [&](std::size_t done, std::size_t all) {
+                                 const std::size_t one = all / shares.size();
+                                 if (progress) progress(one + done, searches * one);
+                               });
+}
+
+Comparison run_tuned_comparison(const ComparisonOptions& o,
+                                const std::function<void(std::size_t, std::size_t)>& progress) {
+  ComparisonPlan plan = plan_comparison(
+      o, read_virtual_machine(o.machine, o.parameters.axis_files, AxisWithoutTruth::kLeftOut));
+  TuneOptions options;
+  options.experiment = plan.experiment;
+  options.path = o.path;
+  options.speeds = o.speeds;
+  options.trials = o.trials;
+  options.seed = o.seed;
+  options.threads = o.threads;
+  sim::TuneSpec search = tune_spec(options, o.parameters, plan.machine, o.machine);
+  search.compare = plan.spec;
+  sim::CompareSpec needed = plan.spec;
+  needed.controllers.push_back(*search.reference);
+  Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, needed);
+  const sim::TuneResult tuned = sim::tune(plan.machine, parameters.knowledge, search, progress);
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < tuned.controllers.size(); ++i) {
+    const sim::TunedController& c = tuned.controllers[i];
+    if (c.found()) {
+      plan.spec.controllers[i] = c.tuned;
+      plan.spec.controllers[i].label = renamed(c.tuned).label;
+    } else {
+      warnings.push_back(
+          fmt::format("({}) keeps its own gains: {}", c.start.id, report::why_none(c, search)));
+    }
+  }
+  const std::string note = whose_loop(plan, o);
+  Comparison out = run_plan(std::move(plan), std::move(parameters), progress);
+  out.warnings.insert(out.warnings.begin(), warnings.begin(), warnings.end());
+  if (!note.empty()) out.warnings.push_back(note);
+  return out;
 }
 
 bool is_controller_file(const std::string& out) { return out.size() > 5 && out.ends_with(".toml"); }
@@ -83,7 +129,7 @@ std::string missed(const Tuning& t) {
 }
 
 std::string text_of(const Tuning& t) {
-  std::string text = part_words(t.spec.compare) + report::text_table(t.result, t.spec);
+  std::string text = part_words(t.spec.compare) + report::text_table(t.result, t.spec, t.trade_off);
   for (const std::string& warning : t.parameters.assumed) text += "Warning: " + warning + ".\n";
   return text + fmt::format("Compensators: {}.\n", t.parameters.words);
 }

@@ -11,6 +11,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/run/comparison.hpp>
 #include <stribeck/workflow/tune_options.hpp>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct Tuning {
   sim::TuneSpec spec;
   Parameters parameters;   ///< of run_tuning()
   sim::TuneResult result;  ///< of run_tuning()
+  bool wants_trade_off = false;
+  sim::TradeOff trade_off;  ///< of run_tuning(), where it is wanted
 };
 
 /// Files that the options name, and other words among them.
@@ -36,6 +39,11 @@ Tuning plan_tuning(const TuneOptions& options, const ParameterOptions& origin,
 
 /// progress(done, all) may be called from any thread, one call at a time.
 void run_tuning(Tuning& tuning, const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// compare with every controller at the gains that tune finds for it within its usual limits; one without such gains keeps its own, and
+/// a warning says so. progress() tells of the search first, then of the comparison.
+Comparison run_tuned_comparison(const ComparisonOptions& options,
+                                const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 /// Whether the name is that of a file for one controller, not of a folder.
 bool is_controller_file(const std::string& out);
