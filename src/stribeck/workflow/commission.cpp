@@ -13,6 +13,7 @@
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <utility>
 
 namespace stribeck::workflow {
@@ -100,6 +101,18 @@ ident::log::Record as_record(const sim::Recording& recording, const std::string&
   return record;
 }
 
+void fill_in(sim::AxisKnowledge& knowledge, const sim::MachineAxis& axis) {
+  const friction::AxisModel* const best = knowledge.best();
+  if (best == nullptr) return;
+  const friction::AxisModel given = *best;
+  for (auto* model : {&knowledge.gaussian, &knowledge.eccentric, &knowledge.whole}) {
+    if (!*model) *model = given;
+  }
+  if (knowledge.conventional) return;
+  knowledge.conventional = given;
+  knowledge.conventional->friction = sim::straightened(given.friction, axis.limits.speed);
+}
+
 const ident::Result* CommissionedAxis::find(std::string_view kind) const {
   for (const CommissionedModel& m : models) {
     if (m.kind == kind) return &m.result;
@@ -123,6 +136,25 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
 }
 
 namespace {
+
+/// A machine of one's own with a control of at least half a millisecond, delays the same in time: jogs of minutes at 62 us are millions of
+/// rows that tell no more. Absent where it has such a period.
+std::optional<sim::Machine> slower_control(const sim::Machine& machine) {
+  constexpr double kLeast = 0.5e-3;  // [s]
+  if (is_of_thesis(machine) || machine.sample_time >= kLeast) return {};
+  sim::Machine slower = machine;
+  slower.sample_time *= std::ceil(kLeast / machine.sample_time * (1.0 - 1e-9));
+  for (auto& [name, axis] : slower.axes) {
+    plant::AxisParams& p = axis.plant;
+    if (p.drive_loop && p.delay_periods == 0) continue;
+    const double delay =
+        machine.sample_time * (p.delay_periods + p.delay_fraction.value_or(0.0)) / slower.sample_time;
+    p.delay_periods = static_cast<int>(std::floor(delay));
+    p.delay_fraction.reset();
+    if (const double rest = delay - p.delay_periods; rest > 1e-6 && !p.drive_loop) p.delay_fraction = rest;
+  }
+  return slower;
+}
 
 /// What a jog in closed loop tells of an axis: half the sum and half the difference of its force in both directions. Of a rotary
 /// axis, whose weight follows the angle, the largest of these sums.
@@ -295,6 +327,7 @@ class Run {
   CommissionedAxis by_pulses();
 
  private:
+  CommissionedAxis by_pulses_and_jogs();
   using Records = std::vector<ident::log::Record>;
 
   ident::log::Record add(ExcitationMethod method, int periods = 0,
@@ -318,6 +351,8 @@ class Run {
     return *jogs_;
   }
   ident::log::Record pulses();
+  /// The whole drive in place of every kind of model, as on a machine that was identified from its own logs.
+  CommissionedAxis alone(const Records& records, const ident::Result& whole);
   const sim::Machine& machine_;
   std::size_t axis_;
   const Needs& needs_;
@@ -352,6 +387,7 @@ CommissionedAxis Run::in_closed_loop() {
         "The rough mass of the machine file, {:.4g} {}, is used instead",
         name, known, a.rotary ? "kg m2" : "kg"));
   }
+  if (!is_of_thesis(machine_)) return alone({triangles, turns, jogs()}, whole);
   sim::AxisKnowledge& knows = out_.knowledge;
   knows.eccentric = keep("eccentric", {triangles, turns, jogs()}, whole);
   knows.whole = knows.eccentric;
@@ -365,7 +401,20 @@ CommissionedAxis Run::in_closed_loop() {
   return std::move(out_);
 }
 
+CommissionedAxis Run::alone(const Records& records, const ident::Result& whole) {
+  out_.knowledge.whole = keep("whole", records, whole);
+  fill_in(out_.knowledge, machine_.axes[axis_].second);
+  return std::move(out_);
+}
+
+/// Pulses for mass and bristles, jogs for friction at every speed.
+CommissionedAxis Run::by_pulses_and_jogs() {
+  const Records records{pulses(), add(ExcitationMethod::kPositionSine, kPositionPeriods), jogs()};
+  return alone(records, whole_drive(records));
+}
+
 CommissionedAxis Run::by_pulses() {
+  if (!is_of_thesis(machine_)) return by_pulses_and_jogs();
   const ident::log::Record strong = pulses();
   sim::AxisKnowledge& knows = out_.knowledge;
   // As in the thesis: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The choice depends on the
@@ -418,6 +467,7 @@ void Run::find_lost_motion(CommissionedAxis& out) {
 
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed) {
+  if (const auto slower = slower_control(machine)) return commission_axis(*slower, axis, needs, seed);
   try {
     Run run(machine, axis, needs, seed);
     // Where the drive takes no force, or forces in open loop would let the axis fall or a spring would pull it back, or the methods for

@@ -9,6 +9,7 @@
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 
@@ -104,20 +105,6 @@ void take(const Given& given, const sim::Machine& machine, Parameters& p) {
                      machine.axes[given.axis].first, given.file));
 }
 
-/// The kinds of model that no file gave for an axis that is simulated as the model of its file: that model itself, and in place
-/// of the conventional one the line through each side of its map. An identification from simulated logs would find the same.
-void fill_in(sim::AxisKnowledge& knowledge, const sim::MachineAxis& axis) {
-  const friction::AxisModel* const best = knowledge.best();
-  if (best == nullptr) return;
-  const friction::AxisModel given = *best;
-  for (auto* model : {&knowledge.gaussian, &knowledge.eccentric, &knowledge.whole}) {
-    if (!*model) *model = given;
-  }
-  if (knowledge.conventional) return;
-  knowledge.conventional = given;
-  knowledge.conventional->friction = sim::straightened(given.friction, axis.limits.speed);
-}
-
 /// Takes it out where it is not wanted; says in words what is compensated, and where it cannot be.
 void use_lost_motion(Parameters& p, const sim::Machine& machine, const std::string& use) {
   for (std::size_t i = 0; i < p.knowledge.size(); ++i) {
@@ -156,11 +143,12 @@ std::string excitation_words(const sim::Machine& machine, const std::vector<std:
   const std::string in_closed_loop = fmt::format(
       "strokes of constant acceleration, {} periods of a sine about the middle and jogs", kPositionPeriods);
   std::vector<std::string> what{"pulses"};
-  const bool by_jogs = needs.conventional && machine.axes.size() > 2;
+  const bool own = !is_of_thesis(machine);
+  const bool by_jogs = own || (needs.conventional && machine.axes.size() > 2);
   if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
     what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
   if (by_jogs) what.push_back("jogs");
-  if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
+  if (!own && (needs.gaussian || (needs.whole && machine.axes.size() <= 2)))
     what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
   std::string words = "identified from simulated logs of this machine: ";
   if (closed.size() == commissioned.size()) return words + in_closed_loop + " on each axis";
@@ -178,7 +166,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   const std::vector<Given> models = given_models(machine, path, options.axis_files);
   Parameters p;
   p.knowledge.resize(machine.axes.size());
-  p.from_file.assign(machine.axes.size(), 0);
+  p.files.resize(machine.axes.size());
+  p.told_from.assign(machine.axes.size(), 0.0);
   if (options.source == "thesis") {
     for (const std::size_t i : axes) p.knowledge[i] = printed(machine, path, i, needs);
     p.words = "printed parameters of the thesis";
@@ -206,7 +195,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   }
   for (const Given& given : models) {
     take(given, machine, p);
-    p.from_file[given.axis] = 1;
+    p.files[given.axis] = given.file;
+    if (const auto& uncertainty = given.content.uncertainty) p.told_from[given.axis] = uncertainty->told_from;
     const std::string& name = machine.axes[given.axis].first;
     if (given.content.axis && !given.content.axis->empty() && *given.content.axis != name)
       p.assumed.push_back(fmt::format("{} says that it is of axis {}, and is used for axis {}", given.file,
@@ -279,6 +269,18 @@ void note_calmed(const sim::CompareResult& result, const std::vector<std::size_t
   }
 }
 
+/// Between these two speeds, one of each direction, nothing is known of the friction of an axis; 0 and 0: it is, or nobody says.
+std::array<double, 2> told_speeds(const Parameters& parameters, std::size_t axis) {
+  if (!parameters.files[axis].empty()) return {-parameters.told_from[axis], parameters.told_from[axis]};
+  std::array<double, 2> begin{0.0, 0.0};
+  if (parameters.axes.empty()) return begin;
+  for (const CommissionedModel& m : parameters.axes[axis].models) {
+    const auto [back, forward] = report::curve_begin(m.result);
+    begin = {std::fmin(begin[0], back), std::fmax(begin[1], forward)};
+  }
+  return begin;
+}
+
 }  // namespace
 
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
@@ -287,19 +289,13 @@ std::vector<std::string> check_coverage(sim::CompareResult& result, const std::v
   std::vector<std::string> all = parameters.assumed;
   note_missing_bristles(result, axes, parameters, all);
   note_calmed(result, axes, parameters, all);
-  if (parameters.axes.empty()) return all;
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
       return r.travel == travel && !r.trace.empty();
     });
     if (row == result.rows.end()) continue;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (parameters.from_file[axes[i]] != 0) continue;
-      std::array<double, 2> begin{0.0, 0.0};
-      for (const CommissionedModel& m : parameters.axes[axes[i]].models) {
-        const auto [back, forward] = report::curve_begin(m.result);
-        begin = {std::fmin(begin[0], back), std::fmax(begin[1], forward)};
-      }
+      const std::array<double, 2> begin = told_speeds(parameters, axes[i]);
       double moving = 0.0;
       double below = 0.0;
       for (const sim::ContourSample& s : row->trace) {
@@ -310,6 +306,15 @@ std::vector<std::string> check_coverage(sim::CompareResult& result, const std::v
       }
       if (!(below > kLong * moving)) continue;
       take_back_verdicts(result, travel, i);
+      if (const std::string& file = parameters.files[axes[i]]; !file.empty()) {
+        all.push_back(fmt::format(
+            "axis {} at {}: {:.0f} % of its motion is slower than {:.3g} mm/s, where the logs behind {} do not tell the friction: there its "
+            "model may be far off, and with it the order of the controllers (record slow jogs, excite --method jog, and give identify "
+            "both logs)",
+            result.axes[i], result.spec.travels[travel].pace_in_words(), 100.0 * below / moving,
+            begin[1] * 1e3, file));
+        continue;
+      }
       all.push_back(fmt::format(
           "axis {} at {}: {:.0f} % of its motion is between {:.3g} and {:.3g} mm/s, where a model of it was not "
           "identified (excite with --method jog, and give the result with --axis-file)",

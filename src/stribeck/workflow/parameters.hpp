@@ -18,9 +18,11 @@ struct ParameterOptions {
 struct Parameters {
   std::vector<sim::AxisKnowledge> knowledge;  ///< per axis of the machine
   std::vector<CommissionedAxis> axes;         ///< per axis of the machine; empty unless identified
-  std::vector<char> from_file;                ///< per axis of the machine: a file gave a model
-  std::string words;                          ///< their origin in words
-  std::vector<std::string> assumed{};         ///< axes whose identified model stands for the truth: warnings
+  std::vector<std::string> files;  ///< per axis of the machine: the file that gave a model; empty: none did
+  std::vector<double>
+      told_from;  ///< per axis: smallest speed whose friction the logs behind the file tell [m/s]; 0: not known
+  std::string words;                   ///< their origin in words
+  std::vector<std::string> assumed{};  ///< axes whose identified model stands for the truth: warnings
 };
 /// Only the models that the controllers need, for the axes that they drive; other axes have no knowledge.
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
@@ -28,8 +30,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
 
 /// Warns of axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine
 /// that the result has. There a change of friction that adaptation found says nothing about the machine: its verdict becomes
-/// that the model does not hold. At its reversals every axis is slow for a short time, which is no reason to warn. The range of a
-/// model from a file is not known. What the parameters assume comes first.
+/// that the model does not hold. At its reversals every axis is slow for a short time, which is no reason to warn. Of a file it is
+/// the uncertainty in it that says from which speed on its logs tell the friction. What the parameters assume comes first.
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters);
 

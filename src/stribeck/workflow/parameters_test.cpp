@@ -86,5 +86,26 @@ kind = "static"
               testing::Contains(testing::HasSubstr("says that it is of axis z, and is used for axis x")));
 }
 
+// The model stands for the machine: without a word, its errors at speeds that no log has would look like promises.
+TEST(Parameters, AFileSaysFromWhichSpeedItsLogsTellTheFriction) {
+  sim::CompareResult result;
+  result.axes = {"x"};
+  result.spec.travels.resize(1);
+  result.rows.resize(1);
+  result.rows[0].trace.resize(100);
+  for (std::size_t k = 0; k < 100; ++k)
+    result.rows[0].trace[k].velocity[0] = 1e-4 * (static_cast<double>(k) - 50.0);
+  Parameters parameters;
+  parameters.knowledge.resize(1);
+  parameters.files = {"x.toml"};
+  parameters.told_from = {0.5e-3};  // 9 of 99 rows are slower
+  EXPECT_THAT(check_coverage(result, {0}, parameters), testing::IsEmpty());
+  parameters.told_from = {2.5e-3};  // 49 of 99 rows
+  EXPECT_THAT(
+      check_coverage(result, {0}, parameters),
+      testing::ElementsAre(testing::HasSubstr(
+          "48 % of its motion is slower than 2.5 mm/s, where the logs behind x.toml do not tell the friction")));
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::parameters_test
