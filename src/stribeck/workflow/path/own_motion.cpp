@@ -41,6 +41,8 @@ path::Fourier<N> middle_of(const sim::Machine& machine, const std::vector<std::s
 }
 
 constexpr double kSine = -0.5 * kPi;  // phase of a cosine
+constexpr double kShareOfSpeed = 0.5;
+constexpr double kSlow = 0.1;  // of the fast one
 
 /// cos on the first axis, sin on the others: on three axes an ellipse in space, as the thesis's circle.
 template <std::size_t N>
@@ -110,9 +112,7 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vec
                                      const PathOptions& o, const std::vector<std::string>& speeds) {
   constexpr double kMostRadius = 20e-3;  // [m]
   constexpr double kShareOfTravel = 0.2;
-  constexpr double kShareOfSpeed = 0.5;
   constexpr double kShareOfAcceleration = 0.3;
-  constexpr double kSlow = 0.1;  // of the fast one
   double radius = kMostRadius;
   double speed = kInfinity;
   double acceleration = kInfinity;
@@ -157,6 +157,15 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vec
 }
 
 }  // namespace
+
+std::vector<double> own_speeds(const sim::Machine& machine) {
+  double fast = kInfinity;
+  for (const auto& [name, axis] : machine.axes) {
+    if (!axis.rotary) fast = std::min(fast, kShareOfSpeed * axis.limits.speed);
+  }
+  if (!std::isfinite(fast)) return {};
+  return {rounded_down(kSlow * fast), rounded_down(fast)};
+}
 
 sim::CompareSpec own_motion(const sim::Machine& machine, const std::string& machine_file,
                             const PathOptions& options, const std::vector<std::string>& speeds) {

@@ -8,6 +8,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/path/own_motion.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
@@ -57,14 +58,6 @@ void keep_circle_in_travel(sim::Travel& travel, const sim::Machine& machine, con
   travel.name = fmt::format("circle of {:.6g} mm about {:.6g}, {:.6g} mm", 1e3 * curve->size,
                             1e3 * moved.axis[0].offset, 1e3 * moved.axis[1].offset);
   travel.path = moved;
-}
-
-/// Whether parameters of it were printed.
-bool is_of_thesis(const sim::Machine& machine) {
-  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) {
-    const sim::Published& p = axis.second.published;
-    return p.conventional || p.gaussian || p.eccentric;
-  });
 }
 
 }  // namespace
@@ -156,19 +149,27 @@ sim::CompareSpec printed_spec(const std::string& experiment, const sim::Machine&
   return spec;
 }
 
+namespace {
+
+/// One pole for all axes, which the stiffest demand of friction and encoder allows; poles that were given stay.
+PathOptions with_own_poles(PathOptions path, const sim::Machine& machine,
+                           const std::vector<std::size_t>& axes) {
+  double omega = kInfinity;
+  for (const std::size_t i : axes) omega = std::min(omega, machine.axes[i].second.commissioning.omega);
+  for (std::string* text : {&path.omega_t, &path.omega_n}) {
+    if (text->empty()) *text = fmt::format("{} rad/s", omega);
+  }
+  return path;
+}
+
+}  // namespace
+
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
                                  const std::vector<std::string>& speeds, const sim::Machine& machine,
                                  const std::string& machine_file) {
   if (experiment == kOwn) {
     sim::CompareSpec own = own_motion(machine, machine_file, path, speeds);
-    // One pole for all axes, which the stiffest demand of friction and encoder allows.
-    double omega = kInfinity;
-    for (const std::size_t i : own.axes) omega = std::min(omega, machine.axes[i].second.commissioning.omega);
-    PathOptions gains = path;
-    for (std::string* text : {&gains.omega_t, &gains.omega_n}) {
-      if (text->empty()) *text = fmt::format("{} rad/s", omega);
-    }
-    own.controllers = make_controllers(gains);
+    own.controllers = make_controllers(with_own_poles(path, machine, own.axes));
     own.accuracy = make_accuracy(path);
     return own;
   }
@@ -188,8 +189,10 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
     in_si.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
   if (source_of(path) == PathSource::kProgram && !speeds.empty())
     refuse_option("--speed", "a part program has its own feed (leave it out)");
+  const bool own = is_file(path) && !is_of_thesis(machine);
+  if (in_si.empty() && own) in_si = own_speeds(machine);
   use_path(s, path, in_si.empty() ? std::vector<double>{3e-3, 9.5e-3} : in_si, machine, machine_file);
-  s.controllers = make_controllers(path);
+  s.controllers = make_controllers(own ? with_own_poles(path, machine, sim::chosen_axes(machine, s)) : path);
   s.accuracy = make_accuracy(path);
   return s;
 }
