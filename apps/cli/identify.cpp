@@ -139,6 +139,8 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     if (!wrong.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), wrong);
     const std::string too_far = travel_contradiction(machine.axis(one.axis), axis.records);
     if (!too_far.empty()) warnings.insert(warnings.begin(), too_far);
+    const std::string too_strong = force_contradiction(machine.axis(one.axis), axis.records);
+    if (!too_strong.empty()) warnings.insert(warnings.begin(), too_strong);
     if (!o.output.empty()) {
       io::make_directory(o.output);
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);

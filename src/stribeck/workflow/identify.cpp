@@ -156,19 +156,43 @@ std::optional<double> given_turn(const IdentifyOptions& o, const AxisRecords& ax
   return turn;
 }
 
-/// Runs of constant speed, each logged separately: the speeds of a jog as many controls export them.
+/// Distance over which an axis moves to and fro.
+double travelled(const ident::log::Record& r) {
+  // Over 20 ms, so that noise is no motion.
+  const auto step = static_cast<std::size_t>(std::max(1.0, std::round(0.02 / r.sample_time)));
+  double sum = 0.0;
+  for (std::size_t k = step; k < r.x.size(); k += step) sum += std::abs(r.x[k] - r.x[k - step]);
+  return sum;
+}
+
+/// Runs of constant speed, each logged separately: the speeds of a jog as many controls export them. A part program also has stretches
+/// of constant speed, of many speeds, and tells the mass between them.
 bool steady_speeds(const Records& records, std::size_t runs) {
   constexpr std::size_t kFewestRuns = 4;
+  constexpr double kSame = 1.15;       // ratio of two speeds of one file
+  constexpr double kMostOfWay = 0.45;  // what is left out after ramps and reversals is up to a third and more
   if (runs < kFewestRuns) return false;
-  std::size_t steady = 0;
-  std::vector<char> seen(records.size(), 0);
+  struct OfRecord {
+    double slowest = 0.0, fastest = 0.0, way = 0.0;
+  };
+  std::vector<OfRecord> of(records.size());
   try {
     for (const ident::map::SteadyRun& run : ident::map::find_steady_runs(records).runs) {
-      if (!seen[run.record]) ++steady;
-      seen[run.record] = 1;
+      OfRecord& r = of[run.record];
+      const double speed = std::abs(run.speed);
+      r.slowest = r.way == 0.0 ? speed : std::min(r.slowest, speed);
+      r.fastest = std::max(r.fastest, speed);
+      r.way += std::abs(run.way);
     }
   } catch (const ident::Refused&) {
     return false;
+  }
+  std::size_t steady = 0;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    steady += of[i].way > 0.0 && of[i].fastest < kSame * of[i].slowest &&
+                      of[i].way > kMostOfWay * travelled(records[i])
+                  ? 1
+                  : 0;
   }
   return 10 * steady >= 7 * records.size();
 }

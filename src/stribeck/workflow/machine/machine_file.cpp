@@ -143,6 +143,12 @@ MachineDescription parse_description(std::string_view text, const std::string& f
 sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files,
                                   AxisWithoutTruth without_truth) {
   MachineDescription machine = read_description(file);
+  // A name that the machine does not have is told before what its axes lack.
+  if (!axis_files.empty()) {
+    const sim::Machine all = as_machine(machine);
+    for (const std::string& text : axis_files)
+      static_cast<void>(axis_index(all, file, axis_and_file(text).first));
+  }
   std::vector<std::string> from(machine.axes.size());
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     auto& [name, axis] = machine.axes[i];
@@ -175,6 +181,13 @@ sim::Machine read_virtual_machine(const std::string& file, const std::vector<std
   return virtual_machine;
 }
 
+bool is_of_thesis(const sim::Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) {
+    const sim::Published& p = axis.second.published;
+    return p.conventional || p.gaussian || p.eccentric;
+  });
+}
+
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis) {
   const auto& [name, a] = machine.axes[axis];
   if (a.force_limit() > 0.0) return;
@@ -202,6 +215,27 @@ std::string travel_contradiction(const AxisDescription& axis,
       "the log moves over {:.4g} mm, from {:.4g} to {:.4g} mm, and the axis has a travel of {:.4g} mm in the machine file: the "
       "positions are in another unit, of the motor, or in diameter (of a lathe; then give --map x=\"… 0.5 mm\"), or the file is wrong",
       1e3 * (high - low), 1e3 * low, 1e3 * high, 1e3 * (to - from));
+}
+
+std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records) {
+  constexpr double kRoundedForce = 1.1;
+  const double limit = axis.force_limit();
+  double most = 0.0;
+  std::size_t beyond = 0, rows = 0;
+  for (const ident::log::Record& record : records) {
+    if (record.force_unit != "N") return {};
+    rows += record.f.size();
+    for (const double f : record.f) {
+      most = std::max(most, std::abs(f));
+      beyond += std::abs(f) > kRoundedForce * limit ? 1 : 0;
+    }
+  }
+  if (!(limit > 0.0) || beyond == 0) return {};
+  const std::string_view unit = units_of(axis.rotary).force;
+  return fmt::format(
+      "the force of the log goes up to {:.4g} {}, and the drive makes at most {:.4g} {} ({} of {} rows are beyond it): the column holds what "
+      "was asked for before the limit (log the actual force or current), or the scale of the force is wrong, or the file is",
+      most, unit, limit, unit, beyond, rows);
 }
 
 std::string mass_contradiction(const AxisDescription& axis, double low, double high) {

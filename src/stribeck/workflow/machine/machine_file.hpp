@@ -51,11 +51,17 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
 /// Travel in which friction builds up where a model does not say it: usual for ball screws with rolling guides [m].
 inline constexpr double kBreakAway = 5e-6;
 
+/// Whether parameters of a machine were printed: it is excited as they were found.
+bool is_of_thesis(const sim::Machine& machine);
+
 /// Refuses an axis whose largest force is not said.
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis);
 
 /// A sentence where an identified mass (95 % from low to high) is not one that the file allows; empty: it is, or low is not finite.
 std::string mass_contradiction(const AxisDescription& axis, double low, double high);
+
+/// A sentence where logs hold a larger force than the drive makes; empty: they do not, or it is not known.
+std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
 
 /// A sentence where logs move farther than the axis can; empty: they do not, or it is not known.
 std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);

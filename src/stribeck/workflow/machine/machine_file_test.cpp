@@ -270,6 +270,8 @@ TEST(MachineFile, AnAxisWithoutATruthIsRefusedOrLeftOut) {
               ThrowsMessage<io::InputError>(HasSubstr("axes.y.plant: missing")));
   EXPECT_THAT([&] { read_virtual_machine(kExamples + "gantry.toml", {}, AxisWithoutTruth::kLeftOut); },
               ThrowsMessage<io::InputError>(HasSubstr("axes.x.plant: missing")));
+  EXPECT_THAT([&] { read_virtual_machine(kExamples + "gantry.toml", {"q=q.toml"}); },
+              ThrowsMessage<io::InputError>(HasSubstr("no axis \"q\", the machine has x, y, z")));
 }
 
 TEST(MachineFile, ARotaryAxisTakesAnglesTorquesAndInertias) {
@@ -484,6 +486,38 @@ TEST(MachineFile, ALightAxisGetsALoopThatHoldsItAgainstFriction) {
   a.commissioning.friction = 60.0;
   a.commissioning.encoder_resolution = 1e-6;
   EXPECT_NEAR(propose(a, 1e-3).omega.value, 0.15 * 60.0 * 1e-3 / (2.0 * 100.0 * 1e-6), 1e-9);
+}
+
+TEST(MachineFile, ALogWithMoreForceThanTheDriveMakesIsSaidToBeADemand) {
+  AxisDescription a;
+  a.limits = {0.0, 1.0, 1.0, 5.0, {}, 1100.0};
+  ident::log::Record r;
+  r.force_unit = "N";
+  r.f = {100.0, -1150.0, 900.0};
+  EXPECT_EQ(force_contradiction(a, {r}), "");
+  r.f[2] = -5000.0;
+  EXPECT_THAT(force_contradiction(a, {r}),
+              HasSubstr("goes up to 5000 N, and the drive makes at most 1100 N (1 of 3 rows are beyond it)"));
+  r.force_unit = "A";
+  EXPECT_EQ(force_contradiction(a, {r}), "");
+}
+
+// A faster control is no reason for a slower loop: a step of the force that lasts 125 us moves an axis as an eighth of it over 1 ms does.
+TEST(MachineFile, AShortPeriodLeavesTheLoopAsFast) {
+  AxisDescription a;
+  a.limits = {0.0, 1.0, 1.0, 5.0, {}, 2000.0};
+  a.commissioning.mass = 100.0;
+  a.commissioning.friction = 60.0;
+  a.commissioning.encoder_resolution = 1e-6;
+  const Proposed omega = propose(a, 125e-6).omega;
+  EXPECT_NEAR(omega.value, 45.0, 1e-9);
+  EXPECT_THAT(omega.reason, HasSubstr("more than 15 % of the friction, as a mean over 1 ms"));
+  EXPECT_NEAR(propose(a, 1e-3).omega.value, 45.0, 1e-9);
+  // Where that step would be a tenth of the largest force, it ends there: 0.1·400·125e-6/(2·100·1e-6).
+  a.limits.force = 400.0;
+  const Proposed weak = propose(a, 125e-6).omega;
+  EXPECT_NEAR(weak.value, 25.0, 1e-9);
+  EXPECT_THAT(weak.reason, HasSubstr("more than 10 % of its limit"));
 }
 
 // 3 m at 10 mm/s: a third of the travel would take 700 s a period.

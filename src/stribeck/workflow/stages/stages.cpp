@@ -215,7 +215,8 @@ class AxisStages {
     axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
     for (const std::string& wrong :
          {mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high),
-          travel_contradiction(description_, c.records.records)}) {
+          travel_contradiction(description_, c.records.records),
+          force_contradiction(description_, c.records.records)}) {
       if (!wrong.empty()) axis_.warnings.push_back(wrong);
     }
   }
