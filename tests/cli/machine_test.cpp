@@ -78,6 +78,34 @@ TEST(OwnMachine, InitWritesAFileThatMachineReads) {
   EXPECT_THAT(twice.err, HasSubstr("--axes: got \"x\" twice"));
 }
 
+TEST(OwnMachine, InitTakesARangeWithoutQuotesAndAKeyOnce) {
+  Folder f;
+  const std::vector<std::string> some{"init",
+                                      "--name",
+                                      "mine",
+                                      "--axes",
+                                      "x",
+                                      "--sample-time",
+                                      "1 ms",
+                                      "-o",
+                                      f / "mine.toml",
+                                      "--set",
+                                      "x.commissioning.mass=[30 kg, 60 kg]"};
+  ASSERT_EQ(command(some).code, 0);
+  EXPECT_THAT(text_of(f / "mine.toml"), HasSubstr("mass = [\"30 kg\", \"60 kg\"]"));
+  std::vector<std::string> twice = some;
+  twice.insert(twice.end(), {"--set", "x.commissioning.mass=40 kg"});
+  const Said refused = command(twice);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--set: x.commissioning.mass is given twice, as \"[30 kg, 60 kg]\" and "
+                                     "\"40 kg\" (leave one out)"));
+  std::vector<std::string> wrong = some;
+  wrong.back() = "x.commissioning.mass=[30 kg, 60 N]";
+  const Said unit = command(wrong);
+  EXPECT_EQ(unit.code, 2);
+  EXPECT_THAT(unit.err, HasSubstr("60 N"));
+}
+
 TEST(OwnMachine, InitTakesAnUnbalance) {
   Folder f;
   const Said init = command({"init", "--name", "tilt", "--axes", "a", "--sample-time", "1 ms", "--set",

@@ -195,7 +195,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   check_positions(e, limits);
   e.says = fmt::format(
       "jog: {:.1f} s, {} speed{} in both directions, up to {} {}/s. Determines friction at these speeds, "
-      "the slowest included; says nothing about the mass.",
+      "the slowest included; the mass is told by the ramps between them alone.",
       e.t.back(), design.speeds.size(), design.speeds.size() == 1 ? "" : "s",
       digits(u.per_metre * *std::max_element(design.speeds.begin(), design.speeds.end())), u.travel);
   if (design.period > 0.0) {

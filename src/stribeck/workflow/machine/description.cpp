@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kSampledWell = 0.2;   // ω·T
 constexpr double kRipple = 0.15;       // of the friction, by one step of the encoder
+constexpr double kShort = 1e-3;        // [s]: what a force does over less is hardly seen in the motion
+constexpr double kSpike = 0.1;         // of the force limit, by one step of the encoder over a shorter period
 constexpr double kStiff = 80.0;        // [rad/s]
 constexpr double kSlowest = 5.0;       // [rad/s]: below it no loop holds against friction
 constexpr double kRippleAtMost = 0.5;  // of the friction, where friction would hold the axis too far off
@@ -28,7 +30,12 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   const double step = axis.name_plate().encoder_resolution;
   const double mass = axis.commissioning.mass.middle();
   const double friction = axis.commissioning.friction.middle();
-  const double quiet = step > 0.0 ? kRipple * friction * period / (2.0 * mass * step) : kInfinity;
+  // The difference of two encoder values puts a step into the force of one period alone.
+  const bool brief = period < kShort;
+  const double limit = axis.name_plate().force;
+  const double spike = brief && limit > 0.0 ? kSpike * limit * period : kInfinity;
+  const double impulse = std::min(kRipple * friction * std::max(period, kShort), spike);
+  const double quiet = step > 0.0 ? impulse / (2.0 * mass * step) : kInfinity;
   const double off = kOff * (axis.limits.travel_max - axis.limits.travel_min);
   const double firm = std::min(std::sqrt(friction / (mass * off)), quiet * kRippleAtMost / kRipple);
   Proposed p{std::min({sampled, std::max(quiet, firm), kStiff}), {}};
@@ -40,8 +47,11 @@ Proposed omega_of(const AxisDescription& axis, double period) {
         units.fine, ident::digits(100.0 * kRipple * firm / quiet, 2));
   } else if (p.value == quiet) {
     p.reason = fmt::format(
-        "above it one step of the encoder ({:.4g} {}) would move the force by more than {:.0f} % of the friction",
-        step * units.per_metre_fine, units.fine, 100.0 * kRipple);
+        "above it one step of the encoder ({:.4g} {}) would move the force by more than {:.0f} % of {}",
+        step * units.per_metre_fine, units.fine, 100.0 * (impulse == spike ? kSpike : kRipple),
+        impulse == spike ? "its limit"
+        : brief          ? "the friction, as a mean over 1 ms"
+                         : "the friction");
   } else if (p.value == sampled) {
     p.reason = fmt::format("{:g} over the control period: the loop is sampled well", kSampledWell);
   } else {

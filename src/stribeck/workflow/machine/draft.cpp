@@ -31,10 +31,29 @@ bool is_number(const std::string& value) {
   return !digits.empty() && digits.find_first_not_of("0123456789.eE+-_") == std::string_view::npos;
 }
 
+/// A list as a file holds it: "[35 kg, 60 kg]" with its items in quotes. Lists of lists and of tables stay as they are.
+std::string list_as_toml(const std::string& value) {
+  const bool nested = value.find_first_of("[{\"'", 1) != std::string::npos;
+  if (nested || !value.ends_with(']')) return value;
+  std::string out;
+  std::string_view rest = std::string_view(value).substr(1, value.size() - 2);
+  while (!rest.empty()) {
+    const auto comma = std::min(rest.find(','), rest.size());
+    std::string item(rest.substr(0, comma));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+    item.erase(0, std::min(item.find_first_not_of(' '), item.size()));
+    item.erase(item.find_last_not_of(' ') + 1);
+    const bool plain = is_number(item) || item == "true" || item == "false";
+    if (!item.empty()) out += fmt::format("{}{}", out.empty() ? "" : ", ", plain ? item : '"' + item + '"');
+  }
+  return '[' + out + ']';
+}
+
 /// As the file holds it: quoted, unless it is a list, a table, a plain number or a switch.
 std::string as_toml(const FieldInfo& info, const std::string& value) {
   const Kind kind = scalar_of(*info.type).kind;
-  if (value.starts_with('[') || value.starts_with('{')) return value;
+  if (value.starts_with('{')) return value;
+  if (value.starts_with('[')) return list_as_toml(value);
   if (kind == Kind::kSwitch) return value == "true" || value == "false" ? value : '"' + value + '"';
   const bool text = kind == Kind::kChoice || kind == Kind::kText;
   const bool bare = !text && info.quantity.unit.empty() && is_number(value);
@@ -196,6 +215,10 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
   }
   const auto hit = std::find(all.begin(), all.end(), key);
   if (hit == all.end()) refuse_key(draft, option, key, all);
+  if (const std::string* given = draft.find(key)) {
+    refuse_option(option, fmt::format("{} is given twice, as {} and {} (leave one out)", key,
+                                      io::in_quotes(*given), io::in_quotes(value)));
+  }
   const auto at = static_cast<std::size_t>(hit - all.begin()) % known_keys().size();
   const Asked& asked = known_keys()[at];
   const OfAxis kind = axis_of(asked, value);

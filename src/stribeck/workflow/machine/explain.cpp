@@ -231,7 +231,7 @@ class Explanation {
     if (!(a_.force_limit() > 0.0))
       out_.lacks.push_back("excite: the largest force, limits.force or drive with rated_torque and lead");
     if (!(a_.name_plate().encoder_resolution > 0.0))
-      out_.lacks.push_back("to propose omega with regard to the encoder: commissioning.encoder_resolution");
+      out_.lacks.push_back("a proposal of omega that suits the encoder: commissioning.encoder_resolution");
     if (!a_.drive && !a_.plant)
       out_.lacks.push_back("force from percent or torque in logs: drive with rated_torque and lead");
     if (!a_.plant)
