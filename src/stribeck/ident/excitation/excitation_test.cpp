@@ -63,6 +63,20 @@ TEST(Excitation, StrokesAfterASineHoldTheirSpeedWhereTheSineChangesIt) {
   EXPECT_NO_THROW(design_sine({0.0039, 0.0041, 0.05, 0.5, 0.0}, kPeriod, design));
 }
 
+// Ten seconds of each stroke are two million rows of a fast control, which nobody asked for.
+TEST(Excitation, StrokesOfAFastControlAreShorter) {
+  const Limits axis{-0.4, 0.4, 0.05, 0.5, 0.0};
+  SineDesign design{0.004, 0.002, 10.0, 4};
+  design.strokes = 2;
+  const Excitation slow = design_sine(axis, 1e-3, design);
+  const Excitation fast = design_sine(axis, 12.5e-6, design);
+  EXPECT_LE(fast.r.size(), kMostRows);
+  EXPECT_GT(fast.r.size(), kMostRows / 2);
+  EXPECT_LT(fast.t.back(), 0.8 * slow.t.back());
+  EXPECT_NEAR(fast.r.back(), design.start, 1e-9);
+  EXPECT_NE(fast.says.find("2 constant speeds"), std::string::npos) << fast.says;
+}
+
 // Friction that changes in time must not look like friction over speed.
 TEST(Excitation, MixedOrderHasNoTrend) {
   const std::vector<double> sorted = jog_speeds(0.3);

@@ -54,27 +54,37 @@ constexpr double kLongestStroke = 10.0;  // at constant speed [s]
 constexpr double kFastestStroke = 0.5;   // share of the sine's top speed
 constexpr double kNextStroke = 0.4;      // of the speed before
 
-/// From where the sine ends, towards its middle and as far as the limits allow. Returns the longest way [m].
-double append_strokes(const SineDesign& design, const Limits& limits, Excitation& e) {
+struct Appended {
+  int strokes = 0;
+  double way = 0.0;  ///< of the longest one [m]
+};
+
+/// From where the sine ends, towards its middle and as far as the limits and the number of rows allow: a fast control has short strokes, or
+/// fewer.
+Appended append_strokes(const SineDesign& design, const Limits& limits, Excitation& e) {
   Limits own = limits;
   // Without a limit the flanks are no sharper than the sine.
   if (!(own.acceleration > 0.0)) own.acceleration = design.amplitude * design.frequency * design.frequency;
   const double room = design.start - limits.travel_min;
   const double way = std::min(room, std::max(2.0 * design.amplitude, kSeveralTurns));
   double speed = kFastestStroke * std::min(design.amplitude * design.frequency, kReserve * limits.speed);
-  double longest = 0.0;
+  Appended out;
   e.r.resize(e.r.size() + static_cast<std::size_t>(kRest / e.sample_time) + 1, design.start);
   for (int k = 0; k < design.strokes; ++k, speed *= kNextStroke) {
     Profile p = profile_of(own, e.sample_time, way, speed);
     // A way too short for half of the top speed: half of it for the flanks.
     while (p.longest < p.ramp) speed *= 0.9, p = profile_of(own, e.sample_time, way, speed);
-    const double flat = std::min(p.longest, kLongestStroke);
-    check_rows("strokes", static_cast<double>(e.r.size()) + 2.0 * (flat + 2.0 * p.ramp) / e.sample_time,
-               e.sample_time, "sine: its strokes", "fewer strokes");
+    // Both ways, with the rests between them.
+    constexpr double kInHand = 0.95;
+    const double left = static_cast<double>(kMostRows) - static_cast<double>(e.r.size());
+    const double room_in_time = kInHand * left * e.sample_time / (2.0 * (design.strokes - k));
+    const double flat = std::min({p.longest, kLongestStroke, room_in_time - 2.0 * p.ramp});
+    if (flat < p.ramp) break;
     append({design.start, -1.0, speed, p.ramp, flat}, e);
-    longest = std::max(longest, speed * (flat + p.ramp));
+    ++out.strokes;
+    out.way = std::max(out.way, speed * (flat + p.ramp));
   }
-  return longest;
+  return out;
 }
 
 }  // namespace
@@ -95,7 +105,8 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
              "fewer periods, or a faster sine in the machine file");
   const auto rows = static_cast<std::size_t>(std::floor(end / sample_time)) + 1;
   for (std::size_t k = 0; k < rows; ++k) e.r.push_back(course.at(sample_time * static_cast<double>(k)));
-  const double way = design.strokes > 0 && !design.from_middle ? append_strokes(design, limits, e) : 0.0;
+  Appended strokes;
+  if (design.strokes > 0 && !design.from_middle) strokes = append_strokes(design, limits, e);
   stamp(e, e.r.size());
   check_positions(e, limits);
   const Shown u = shown(limits);
@@ -115,10 +126,10 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
       "and the mass as well as this acceleration shows it.",
       e.t.back(), design.periods, digits(fastest * u.per_metre), u.travel,
       digits(fastest * design.frequency * u.per_metre), u.travel);
-  if (way > 0.0)
+  if (strokes.strokes > 0)
     e.says += fmt::format(
         " Then strokes at {} constant speed{}, up to {} {} long: they tell forces that belong to the place from friction over speed.",
-        design.strokes, design.strokes == 1 ? "" : "s", digits(way * u.per_metre), u.travel);
+        strokes.strokes, strokes.strokes == 1 ? "" : "s", digits(strokes.way * u.per_metre), u.travel);
   return e;
 }
 
