@@ -128,6 +128,8 @@ int compare(const CompareCommand& o) {
     report::write_compare_report(folders_of(o.common), input);
     if (!o.common.report.empty()) write_evidence(o.common.report, machine, parameters);
   }
+  // Elsewhere the experiment or the options say it.
+  if (experiment == kOwn) say(o.common, fmt::format("Path: {}.\n", result.spec.travels.front().name));
   say(o.common, part_words(result.spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");

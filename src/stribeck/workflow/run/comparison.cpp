@@ -145,6 +145,7 @@ Comparison run_comparison(const ComparisonOptions& o,
 
 nlohmann::ordered_json to_json(const Comparison& comparison) {
   nlohmann::ordered_json json = report::to_json(comparison.result, comparison.experiment);
+  json["path"] = comparison.result.spec.travels.front().name;
   for (const std::string& warning : comparison.warnings) json["warnings"].push_back(warning);
   return json;
 }
