@@ -409,7 +409,7 @@ CommissionedAxis Run::alone(const Records& records, const ident::Result& whole) 
 
 /// Pulses for mass and bristles, jogs for friction at every speed.
 CommissionedAxis Run::by_pulses_and_jogs() {
-  const Records records{pulses(), add(ExcitationMethod::kPositionSine, kPositionPeriods), jogs()};
+  const Records records{pulses(), add(ExcitationMethod::kSine, kSinePeriods), jogs()};
   return alone(records, whole_drive(records));
 }
 

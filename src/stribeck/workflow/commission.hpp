@@ -71,7 +71,7 @@ sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::ve
 /// Excites, records and identifies: pulses, then a sine for the Gaussian model and a sine about the middle for the eccentric one.
 /// The whole model, with bristles, comes from the pulses and the sine that the machine has. The conventional model comes from
 /// pulses on machines with one or two axes, from jogs on larger ones, as in the thesis. On a machine without printed parameters
-/// pulses, a sine about the middle and jogs give the whole model, which stands for the others: without jogs nothing would be known of
+/// pulses, a sine and jogs give the whole model, which stands for the others: without jogs nothing would be known of
 /// slow motion.
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed);

@@ -145,10 +145,10 @@ std::string excitation_words(const sim::Machine& machine, const std::vector<std:
   std::vector<std::string> what{"pulses"};
   const bool own = !is_of_thesis(machine);
   const bool by_jogs = own || (needs.conventional && machine.axes.size() > 2);
-  if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
+  if (!own && (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2)))
     what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
   if (by_jogs) what.push_back("jogs");
-  if (!own && (needs.gaussian || (needs.whole && machine.axes.size() <= 2)))
+  if (own || needs.gaussian || (needs.whole && machine.axes.size() <= 2))
     what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
   std::string words = "identified from simulated logs of this machine: ";
   if (closed.size() == commissioned.size()) return words + in_closed_loop + " on each axis";
