@@ -93,10 +93,10 @@ std::string method_in_words(const sim::TuneSpec& spec) {
   constexpr std::array kGoals{"accuracy (largest error and RMS)", "surface (quadrant glitch and SD)",
                               "speed (lag of the axes and RMS)"};
   return fmt::format(
-      "for {}{}, {} evaluations for each controller, {} trial{} each; reported: {} trial{} with other noise",
-      kGoals[static_cast<std::size_t>(spec.goal)],
-      spec.nearby ? ", on the given machine and on those that it may be" : "", spec.evaluations,
-      spec.search_trials, spec.search_trials == 1 ? "" : "s", spec.compare.trials,
+      "for {}, {} evaluations for each controller, {} trial{} each{}; reported: {} trial{} with other noise",
+      kGoals[static_cast<std::size_t>(spec.goal)], spec.evaluations, spec.search_trials,
+      spec.search_trials == 1 ? "" : "s",
+      spec.nearby ? " on the given machine and one on each of those that it may be" : "", spec.compare.trials,
       spec.compare.trials == 1 ? "" : "s");
 }
 
