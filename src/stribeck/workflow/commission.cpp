@@ -110,7 +110,10 @@ void fill_in(sim::AxisKnowledge& knowledge, const sim::MachineAxis& axis) {
   }
   if (knowledge.conventional) return;
   knowledge.conventional = given;
-  knowledge.conventional->friction = sim::straightened(given.friction, axis.limits.speed);
+  friction::Model& own = knowledge.conventional->friction;
+  own = sim::straightened(given.friction, axis.limits.speed);
+  if (std::holds_alternative<friction::Conventional<double>>(given.friction.steady))
+    own.steady = given.friction.steady;
 }
 
 const ident::Result* CommissionedAxis::find(std::string_view kind) const {
@@ -141,7 +144,7 @@ namespace {
 /// rows that tell no more. Absent where it has such a period.
 std::optional<sim::Machine> slower_control(const sim::Machine& machine) {
   constexpr double kLeast = 0.5e-3;  // [s]
-  if (is_of_thesis(machine) || machine.sample_time >= kLeast) return {};
+  if (is_of_thesis(machine) || machine.sample_time >= kLeast * (1.0 - 1e-6)) return {};
   sim::Machine slower = machine;
   slower.sample_time *= std::ceil(kLeast / machine.sample_time * (1.0 - 1e-9));
   for (auto& [name, axis] : slower.axes) {

@@ -76,8 +76,8 @@ sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::ve
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed);
 
-/// The kinds of model that an axis lacks, from the best it has: that model itself, and in place of the conventional one the line
-/// through each side of its map.
+/// The kinds of model that an axis lacks, from the best it has: that model itself, and in place of the conventional one its map,
+/// if it is one of Coulomb, viscous and Stribeck friction, or else the line through each side of it.
 void fill_in(sim::AxisKnowledge& knowledge, const sim::MachineAxis& axis);
 
 /// A recording as a log file contains it.

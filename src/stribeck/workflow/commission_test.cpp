@@ -32,6 +32,13 @@ sim::Machine machine(const std::string& sample_time, const std::string& more = "
   return read_virtual_machine(f.write("machine.toml", text));
 }
 
+// 12 kHz, whose multiple of half a millisecond rounding leaves a hair below it.
+TEST(Commission, APeriodThatIsNoRoundNumberEnds) {
+  const CommissionedAxis axis = commission_axis(machine("83.3333333333333 us"), 0, {.conventional = true}, 1);
+  ASSERT_TRUE(axis.knowledge.whole);
+  EXPECT_NEAR(axis.knowledge.whole->mass, 120.0, 6.0);
+}
+
 // Second differences of positions 31 us apart are noise of the encoder: three quarters of the mass were missing.
 TEST(Commission, AShortPeriodHidesNoMass) {
   for (const char* sample_time : {"31.25 us", "1 ms"}) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -172,13 +173,15 @@ bool steady_speeds(const Records& records, std::size_t runs) {
   constexpr double kSame = 1.15;       // ratio of two speeds of one file
   constexpr double kMostOfWay = 0.45;  // what is left out after ramps and reversals is up to a third and more
   if (runs < kFewestRuns) return false;
-  struct OfRecord {
+  struct OfDirection {
     double slowest = 0.0, fastest = 0.0, way = 0.0;
+    [[nodiscard]] bool is_one_speed() const { return way == 0.0 || fastest < kSame * slowest; }
   };
-  std::vector<OfRecord> of(records.size());
+  // A jog may come back faster than it went.
+  std::vector<std::array<OfDirection, 2>> of(records.size());
   try {
     for (const ident::map::SteadyRun& run : ident::map::find_steady_runs(records).runs) {
-      OfRecord& r = of[run.record];
+      OfDirection& r = of[run.record][run.speed > 0.0 ? 0 : 1];
       const double speed = std::abs(run.speed);
       r.slowest = r.way == 0.0 ? speed : std::min(r.slowest, speed);
       r.fastest = std::max(r.fastest, speed);
@@ -189,8 +192,9 @@ bool steady_speeds(const Records& records, std::size_t runs) {
   }
   std::size_t steady = 0;
   for (std::size_t i = 0; i < of.size(); ++i) {
-    steady += of[i].way > 0.0 && of[i].fastest < kSame * of[i].slowest &&
-                      of[i].way > kMostOfWay * travelled(records[i])
+    const double way = of[i][0].way + of[i][1].way;
+    steady += way > 0.0 && of[i][0].is_one_speed() && of[i][1].is_one_speed() &&
+                      way > kMostOfWay * travelled(records[i])
                   ? 1
                   : 0;
   }

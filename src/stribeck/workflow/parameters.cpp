@@ -196,7 +196,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   for (const Given& given : models) {
     take(given, machine, p);
     p.files[given.axis] = given.file;
-    if (const auto& uncertainty = given.content.uncertainty) p.told_from[given.axis] = uncertainty->told_from;
+    const auto& uncertainty = given.content.uncertainty;
+    p.told_from[given.axis] = uncertainty ? uncertainty->told_from : 0.0;
     const std::string& name = machine.axes[given.axis].first;
     if (given.content.axis && !given.content.axis->empty() && *given.content.axis != name)
       p.assumed.push_back(fmt::format("{} says that it is of axis {}, and is used for axis {}", given.file,

@@ -230,7 +230,10 @@ std::string force_contradiction(const AxisDescription& axis, const std::vector<i
       beyond += std::abs(f) > kRoundedForce * limit ? 1 : 0;
     }
   }
-  if (!(limit > 0.0) || beyond == 0) return {};
+  // A single spike is no demand.
+  constexpr double kShare = 1e-3;
+  if (!(limit > 0.0) || beyond < 3 || static_cast<double>(beyond) < kShare * static_cast<double>(rows))
+    return {};
   const std::string_view unit = units_of(axis.rotary).force;
   return fmt::format(
       "the force of the log goes up to {:.4g} {}, and the drive makes at most {:.4g} {} ({} of {} rows are beyond it): the column holds what "

@@ -496,8 +496,10 @@ TEST(MachineFile, ALogWithMoreForceThanTheDriveMakesIsSaidToBeADemand) {
   r.f = {100.0, -1150.0, 900.0};
   EXPECT_EQ(force_contradiction(a, {r}), "");
   r.f[2] = -5000.0;
+  EXPECT_EQ(force_contradiction(a, {r}), "");  // one spike
+  r.f.insert(r.f.end(), {2000.0, 3000.0});
   EXPECT_THAT(force_contradiction(a, {r}),
-              HasSubstr("goes up to 5000 N, and the drive makes at most 1100 N (1 of 3 rows are beyond it)"));
+              HasSubstr("goes up to 5000 N, and the drive makes at most 1100 N (3 of 5 rows are beyond it)"));
   r.force_unit = "A";
   EXPECT_EQ(force_contradiction(a, {r}), "");
 }

@@ -158,9 +158,10 @@ std::vector<sim::Travel> own_travels(const sim::Machine& machine, const std::vec
 
 }  // namespace
 
-std::vector<double> own_speeds(const sim::Machine& machine) {
+std::vector<double> own_speeds(const sim::Machine& machine, const std::vector<std::size_t>& axes) {
   double fast = kInfinity;
-  for (const auto& [name, axis] : machine.axes) {
+  for (const std::size_t i : axes) {
+    const sim::MachineAxis& axis = machine.axes[i].second;
     if (!axis.rotary) fast = std::min(fast, kShareOfSpeed * axis.limits.speed);
   }
   if (!std::isfinite(fast)) return {};

@@ -20,8 +20,8 @@ std::vector<std::size_t> named_axes(const sim::Machine& machine, const std::stri
 sim::CompareSpec own_motion(const sim::Machine& machine, const std::string& machine_file,
                             const PathOptions& options, const std::vector<std::string>& speeds);
 
-/// Speeds along a path of points: a tenth of what every axis that does not turn can do with something in hand, and all of it. Empty where
-/// all axes turn.
-std::vector<double> own_speeds(const sim::Machine& machine);
+/// Speeds along a path of points: a tenth of what those of its axes that do not turn can do with something in hand, and all of it. Empty
+/// where all turn.
+std::vector<double> own_speeds(const sim::Machine& machine, const std::vector<std::size_t>& axes);
 
 }  // namespace stribeck::workflow

@@ -190,7 +190,11 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
   if (source_of(path) == PathSource::kProgram && !speeds.empty())
     refuse_option("--speed", "a part program has its own feed (leave it out)");
   const bool own = is_file(path) && !is_of_thesis(machine);
-  if (in_si.empty() && own) in_si = own_speeds(machine);
+  if (in_si.empty() && own && source_of(path) == PathSource::kPoints) {
+    sim::CompareSpec look = s;  // for its axes
+    use_path(look, path, {1e-3}, machine, machine_file);
+    in_si = own_speeds(machine, sim::chosen_axes(machine, look));
+  }
   use_path(s, path, in_si.empty() ? std::vector<double>{3e-3, 9.5e-3} : in_si, machine, machine_file);
   s.controllers = make_controllers(own ? with_own_poles(path, machine, sim::chosen_axes(machine, s)) : path);
   s.accuracy = make_accuracy(path);

@@ -78,6 +78,7 @@ std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
 
 std::vector<std::string> harmful_speeds(const sim::CompareResult& result) {
   std::vector<std::string> all;
+  constexpr double kMore = 1.05;  // less is chance
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const sim::CompareRow* plain = nullptr;
     const sim::CompareRow* best = nullptr;
@@ -86,6 +87,7 @@ std::vector<std::string> harmful_speeds(const sim::CompareResult& result) {
       const sim::ControllerSpec& c = r.controller;
       const bool compensates =
           c.friction != sim::FrictionUse::kNone || c.observer != control::Observer::kNone;
+      if (plain != nullptr && c.law.index() != plain->controller.law.index()) continue;  // of another law
       if (!compensates) {
         if (plain == nullptr) plain = &r;
       } else if (best == nullptr || r.mean.max_contour_error < best->mean.max_contour_error) {
@@ -93,7 +95,7 @@ std::vector<std::string> harmful_speeds(const sim::CompareResult& result) {
       }
     }
     if (plain == nullptr || best == nullptr ||
-        !(best->mean.max_contour_error > plain->mean.max_contour_error))
+        !(best->mean.max_contour_error > kMore * plain->mean.max_contour_error))
       continue;
     all.push_back(fmt::format(
         "at {} every compensation does harm: ({}) leaves {:.3g} um without any, ({}), the best of the others, {:.3g} um (leave it off for "

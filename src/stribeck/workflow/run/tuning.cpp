@@ -84,10 +84,8 @@ Comparison run_tuned_comparison(const ComparisonOptions& o,
           fmt::format("({}) keeps its own gains: {}", c.start.id, report::why_none(c, search)));
     }
   }
-  const std::string note = whose_loop(plan, o);
   Comparison out = run_plan(std::move(plan), std::move(parameters), progress);
   out.warnings.insert(out.warnings.begin(), warnings.begin(), warnings.end());
-  if (!note.empty()) out.warnings.push_back(note);
   return out;
 }
 
