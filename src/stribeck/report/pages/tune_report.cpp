@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
@@ -120,9 +121,22 @@ std::string broken_at_start(const sim::TunedController& c, const sim::TuneResult
   return listed(broken);
 }
 
+/// Whether the mean over nearby machines is smaller; false where there was none.
+bool better_on_all(const sim::TunedController& c) {
+  double before = 0.0, after = 0.0;
+  for (const sim::MachineScore& m : c.machines) {
+    if (std::isnan(m.after) || std::isinf(m.after)) return false;
+    before += std::isnan(m.before) ? std::numeric_limits<double>::infinity() : m.before;
+    after += m.after;
+  }
+  return after < before;
+}
+
 /// What a user must know before taking gains that leave a larger error than those there were; empty: they do not.
 std::string worse_in_words(const sim::TunedController& c, const sim::TuneResult& result,
                            const sim::TuneSpec& spec) {
+  // Gains for another goal may leave a larger error; those for several machines are judged on all of them.
+  if (spec.goal != sim::TuneGoal::kAccuracy || better_on_all(c)) return {};
   for (std::size_t t = 0; t < c.before.size() && t < c.after.size(); ++t) {
     const double before = c.before[t].mean.max_contour_error;
     const double after = c.after[t].mean.max_contour_error;

@@ -112,9 +112,15 @@ class Task {
   void choose_substeps(const ControllerSpec& c) {
     substeps_.assign(fleet_.size(), {});
     for (std::size_t m = 0; m < fleet_.size(); ++m) {
-      for (const auto& route : routes_) {
-        substeps_[m].push_back(
-            substeps_for<N>(fleet_[m][0], setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
+      try {
+        for (const auto& route : routes_) {
+          substeps_[m].push_back(
+              substeps_for<N>(fleet_[m][0], setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
+        }
+      } catch (const Refused&) {
+        // At the edge of stability on that machine: its run says how far off it is.
+        if (m == 0) throw;
+        substeps_[m] = substeps_[0];
       }
     }
   }
