@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -7,8 +8,10 @@
 
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/ident/drive/load/lost_share.hpp>
 #include <stribeck/ident/drive/smoothing/before_filter.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -359,8 +362,13 @@ void write_lost_share(const ident::drive::LostShare& lost, ident::Result& r) {
   r.load *= part;
   r.mass_interval = {part * r.mass_interval.low, part * r.mass_interval.high};
   if (r.friction.spring) r.friction.spring->stiffness *= part;
+  for (auto& term : r.friction.eccentric) {
+    if (friction::is_unbalance(term)) term.amplitude *= part;
+  }
+  constexpr std::array<std::string_view, 5> kOfTheAxis{"mass", "load", "position_stiffness", "unbalance",
+                                                       "table_mass"};
   for (ident::Parameter& p : r.parameters) {
-    if (p.name != "mass" && p.name != "load" && p.name != "position_stiffness") continue;
+    if (std::find(kOfTheAxis.begin(), kOfTheAxis.end(), p.name) == kOfTheAxis.end()) continue;
     p.value *= part, p.ci_low *= part, p.ci_high *= part;
   }
   if (r.open) {
@@ -384,13 +392,19 @@ std::optional<Identification> with_lost_share(const AxisRecords& logged, const I
   if (!lost) return {};
   AxisRecords mended = logged;
   for (ident::log::Record& r : mended.records) ident::drive::as_driving(lost->share, r);
-  const double before = method(logged, Depth::kSteady).result.held_out_rms;
-  const double after = method(mended, Depth::kSteady).result.held_out_rms;
-  if (!(after < kExplainsMore * before)) return {};
-  Identification found = diagnosed(mended, method(mended, Depth::kWhole), method);
-  if (!std::isfinite(found.result.mass)) return {};
-  write_lost_share(*lost, found.result);
-  return found;
+  try {
+    const double before = method(logged, Depth::kSteady).result.held_out_rms;
+    const double after = method(mended, Depth::kSteady).result.held_out_rms;
+    if (!(after < kExplainsMore * before)) return {};
+    Identification found = diagnosed(mended, method(mended, Depth::kWhole), method);
+    if (!std::isfinite(found.result.mass)) return {};
+    write_lost_share(*lost, found.result);
+    if (found.elastic)
+      found.elastic->mass *= 1.0 - lost->share, found.elastic->table_mass *= 1.0 - lost->share;
+    return found;
+  } catch (const ident::Refused&) {
+    return {};  // the logs as they are can be identified
+  }
 }
 
 }  // namespace

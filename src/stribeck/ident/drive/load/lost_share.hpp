@@ -9,7 +9,7 @@
 /// w is looked for by least squares beside mass, load and a free curve of friction, on means over 20 ms. Believed only where a column
 /// |a|·sgn v, which knows nothing of the force, explains much of what is left as well: any force that is not in the model is in |f|.
 /// Source: law of efficiency of machine elements. Not modelled: w that depends on speed or direction; losses by a load alone, without
-/// acceleration. Real time: no. Errors: none.
+/// acceleration; losses beside a spring or an unbalance, which hide them. Real time: no. Errors: none.
 
 #include <optional>
 #include <stribeck/ident/log/record.hpp>
