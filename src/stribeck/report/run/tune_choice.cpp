@@ -79,7 +79,7 @@ void add_nearby(Page& page, const sim::TuneResult& result) {
   }
   page.table(table);
   page.remark(
-      "Largest error, mean over the speeds. The machine differs from its model in the named way on every axis, the compensators do not know of it.");
+      "Largest error, mean over the speeds. Each machine differs from the model in this way on every axis, and the compensators do not know it.");
 }
 
 std::string trade_off_text(const sim::TradeOff& all, const sim::TuneSpec& spec) {
