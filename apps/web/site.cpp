@@ -1,14 +1,10 @@
 #include <algorithm>
-#include <new>
 #include <nlohmann/json.hpp>
 
 #include <apps/web/assets.hpp>
 #include <apps/web/json_request.hpp>
 #include <apps/web/site.hpp>
-#include <stribeck/ident/refused.hpp>
-#include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::web {
 namespace {
@@ -16,10 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kRequestLimit = 64 << 10;
-constexpr int kBad = 400;
 constexpr int kNotFound = 404;
-constexpr int kNoResult = 422;
-constexpr int kFault = 500;
 constexpr int kBusy = 503;
 
 /// Nothing but this site, no code inside a page.
@@ -39,9 +32,8 @@ Response not_found() { return error_response(kNotFound, "there is no such page")
 
 Site::Site(const SiteOptions& o)
     : guard_(o.token),
-      machines_(o.folder),
-      identify_(uploads_, o.version),
-      live_(what_if_, {std::filesystem::canonical(o.folder), o.sampler, o.sinks}) {}
+      answers_(o.folder, o.version),
+      live_(answers_.what_if(), {std::filesystem::canonical(o.folder), o.sampler, o.sinks}) {}
 
 Admission Site::admit(const Request& head) const {
   if (auto refused = guard_.check(head)) return {0, std::move(refused)};
@@ -62,34 +54,10 @@ bool Site::stop(std::chrono::milliseconds patience) {
   return first && second && third;
 }
 
-Response Site::caught(const std::function<Response()>& work) const {
-  try {
-    return work();
-  } catch (const Outdated&) {
-    return outdated();
-  } catch (const io::InputError& e) {
-    std::string text;
-    for (const io::Problem& p : e.problems()) {
-      text += (text.empty() ? "" : "; ") +
-              (p.file == "request" && !p.key.empty() ? p.key + ": " + p.message : p.text());
-      if (text.size() > 1000) break;
-    }
-    return error_response(kBad, identify_.in_words(text));
-  } catch (const ident::Refused& e) {
-    return error_response(kNoResult, identify_.in_words(e.what()));
-  } catch (const sim::Refused& e) {
-    return error_response(kNoResult, e.what());
-  } catch (const std::bad_alloc&) {
-    return error_response(kNoResult, "out of memory (take a shorter log)");
-  } catch (const std::exception& e) {
-    return error_response(kFault, identify_.in_words(e.what()));
-  }
-}
-
 void Site::later(Newest& thread, const std::string& client, const Reply& reply,
                  std::function<Response(const Newest::IsOld&)> work) {
   const bool taken = thread.post(client, {[this, reply, work = std::move(work)](const Newest::IsOld& is_old) {
-                                            reply(caught([&] { return work(is_old); }));
+                                            reply(answers_.caught([&] { return work(is_old); }));
                                           },
                                           [reply] { reply(outdated()); }});
   if (!taken) reply(error_response(kBusy, "too many pages ask at once (try again in a moment)"));
@@ -109,23 +77,24 @@ void Site::get(const Request& r, const Reply& reply) {
                   std::string(asset->text),
                   {{"Content-Security-Policy", std::string(kPolicy)}}});
   }
-  const std::string id = query_value(r.target, "id").value_or("");
-  if (path == "/api/machines") return reply(caught([&] { return json(machines_.list()); }));
-  if (path == "/api/machine") return reply(caught([&] { return json(what_if_.form(id)); }));
   if (path == "/api/live") return reply(json(live_.state()));
   if (path == "/api/live/events") return reply(live_.events());
-  if (path == "/results/page") {
-    return later(slower_, "page " + id, reply, [this, id](const Newest::IsOld&) {
-      return Response{200, "text/html; charset=utf-8", identify_.page(id), {}};
-    });
-  }
-  reply(not_found());
+  computed(r, reply);
+}
+
+/// What takes no time at once, the rest in the thread for its kind.
+void Site::computed(const Request& r, const Reply& reply) {
+  auto answer = answers_.find(r);
+  if (!answer) return reply(not_found());
+  if (answer->takes == Answer::Takes::kNothing) return reply(answer->work([] { return false; }));
+  Newest& thread = answer->takes == Answer::Takes::kMilliseconds ? knobs_ : slower_;
+  later(thread, answer->client, reply, std::move(answer->work));
 }
 
 template <class T>
 std::optional<T> Site::read(const Request& r, const Reply& reply) const {
   T request;
-  Response refused = caught([&] {
+  Response refused = answers_.caught([&] {
     request = read_request<T>(r.body);
     return Response{};
   });
@@ -135,41 +104,8 @@ std::optional<T> Site::read(const Request& r, const Reply& reply) const {
 }
 
 void Site::post(const Request& r, const Reply& reply) {
-  const std::string_view path = path_of(r.target);
-  if (path == "/api/what-if") {
-    const auto request = read<WhatIfRequest>(r, reply);
-    if (!request) return;
-    return later(knobs_, request->client, reply, [this, request](const Newest::IsOld& is_old) {
-      return json(what_if_.run(*request, is_old));
-    });
-  }
-  if (path == "/api/machine-file") {
-    const auto request = read<WhatIfRequest>(r, reply);
-    if (!request) return;
-    return reply(caught([&] {
-      return Response{200, "application/toml", what_if_.machine_file(*request), {}};
-    }));
-  }
-  if (path.starts_with("/api/live/")) return post_live(r, reply);
-  if (path == "/api/logs") {
-    return reply(caught([&] {
-      const Upload u = uploads_.add(query_value(r.target, "name").value_or("log.csv"), r.body);
-      return json({{"id", u.id}, {"name", u.name}, {"bytes", u.bytes}});
-    }));
-  }
-  if (path == "/api/forget") {
-    uploads_.remove(query_value(r.target, "id").value_or(""));
-    return reply(json(Json::object()));
-  }
-  if (path == "/api/inspect" || path == "/api/identify") {
-    const auto request = read<IdentifyRequest>(r, reply);
-    if (!request) return;
-    const bool only_look = path == "/api/inspect";
-    return later(slower_, request->client, reply, [this, request, only_look](const Newest::IsOld&) {
-      return json(only_look ? identify_.inspect(*request) : identify_.identify(*request));
-    });
-  }
-  reply(not_found());
+  if (path_of(r.target).starts_with("/api/live/")) return post_live(r, reply);
+  computed(r, reply);
 }
 
 /// Files are written and machines identified by another thread, so that no page waits for a disk.
@@ -194,7 +130,7 @@ void Site::post_live(const Request& r, const Reply& reply) {
   if (what == "identify") {
     return done([this] {
       const std::filesystem::path file = live_.saved();
-      const Upload u = uploads_.add(file.filename().string(), io::read_text(file.string()));
+      const Upload u = answers_.uploads().add(file.filename().string(), io::read_text(file.string()));
       return Json{{"id", u.id}, {"name", u.name}, {"bytes", u.bytes}};
     });
   }

@@ -3,19 +3,13 @@
 /// directly.
 ///
 ///   GET  /  /identify  /*.js  /*.css       the pages
-///   GET  /api/machines  /api/machine?id=   what can be chosen
-///   POST /api/what-if  /api/machine-file   WhatIfRequest as JSON
-///   POST /api/logs?name=                   bytes of a log → its id
-///   POST /api/inspect  /api/identify       IdentifyRequest as JSON
-///   POST /api/forget?id=                   removes a log
-///   GET  /results/page?id=                 the page of an identification
+///        /api/machines … /results/page     what is computed: answers.hpp
 ///   GET  /live  /api/live  /api/live/events          the stream, as server-sent events
 ///   POST /api/live/start                   LiveRequest as JSON
 ///   POST /api/live/stop  record  save  discard  identify
 ///
 /// Nothing outside the folder, the built-in files and the session's own temporary folder is read; nothing outside the latter is
-/// written, but the recordings of a stream, which go to the folder. An error is {"error": text} with 400 (request), 422 (no result), 503 (busy); {"outdated": true} where a newer request of the
-/// same page came.
+/// written, but the recordings of a stream, which go to the folder. Errors as in answers.hpp, and 503 (busy).
 /// Threads: safe. Real time: no.
 
 #include <atomic>
@@ -24,14 +18,11 @@
 #include <filesystem>
 #include <string>
 
+#include <apps/web/answers.hpp>
 #include <apps/web/guard.hpp>
 #include <apps/web/http.hpp>
-#include <apps/web/identify_view.hpp>
 #include <apps/web/live/live_view.hpp>
-#include <apps/web/machines.hpp>
 #include <apps/web/newest.hpp>
-#include <apps/web/uploads.hpp>
-#include <apps/web/what_if.hpp>
 
 namespace stribeck::web {
 
@@ -53,23 +44,20 @@ class Site {
 
   /// Ends the threads. False: one did not end in time.
   bool stop(std::chrono::milliseconds patience);
-  [[nodiscard]] const std::filesystem::path& session_folder() const { return uploads_.folder(); }
+  [[nodiscard]] const std::filesystem::path& session_folder() const { return answers_.uploads().folder(); }
 
  private:
   void get(const Request& request, const Reply& reply);
   void post(const Request& request, const Reply& reply);
   void post_live(const Request& request, const Reply& reply);
+  void computed(const Request& request, const Reply& reply);
   template <class T>
   [[nodiscard]] std::optional<T> read(const Request& request, const Reply& reply) const;
   void later(Newest& thread, const std::string& client, const Reply& reply,
              std::function<Response(const Newest::IsOld&)> work);
-  [[nodiscard]] Response caught(const std::function<Response()>& work) const;
 
   Guard guard_;
-  Machines machines_;
-  Uploads uploads_;
-  WhatIf what_if_{machines_};
-  IdentifyView identify_;
+  Answers answers_;
   LiveView live_;
   std::atomic<std::uint64_t> live_asked_{0};
   Newest knobs_;   ///< what must answer at once
