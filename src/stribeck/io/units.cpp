@@ -170,6 +170,29 @@ std::string period_of_rate(std::string_view got, std::string_view unit, const Qu
 
 }  // namespace
 
+namespace detail {
+
+std::string_view without_blanks(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return s.substr(first, s.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+Conversion conversion_by(double factor) {
+  Conversion c{factor, false, 0};
+  constexpr double kRounding = 1e-14;
+  // 10^±22 are the last powers of ten that a double holds exactly.
+  const double power = std::round(std::log10(factor));
+  if (std::abs(power) <= 22.0 && std::abs(factor / std::pow(10.0, power) - 1.0) < kRounding) {
+    c.decimal = true;
+    c.power = static_cast<int>(power);
+    c.factor = c(1.0);
+  }
+  return c;
+}
+
+}  // namespace detail
+
 double Conversion::operator()(double x) const noexcept {
   // A division by an exact power of ten is rounded once; a product with 1e-3 would be rounded twice.
   if (decimal && power < 0) return x / std::pow(10.0, -power);

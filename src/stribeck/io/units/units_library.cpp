@@ -9,7 +9,7 @@
 #include <optional>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/units/torque_spellings.hpp>
+#include <stribeck/io/units/unit_text.hpp>
 #include <stribeck/io/units/units_library.hpp>
 #include <utility>
 
@@ -23,12 +23,6 @@ struct FreeUnit {
   void operator()(ut_unit* u) const noexcept { ut_free(u); }
 };
 using Unit = std::unique_ptr<ut_unit, FreeUnit>;
-
-void replace_all(std::string& text, std::string_view what, std::string_view by) {
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-    text.replace(at, what.size(), by);
-  }
-}
 
 [[noreturn]] void fail_unit(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
 
@@ -89,18 +83,9 @@ class Units {
   }
 
   Unit parse(std::string_view text) {
-    std::string ascii(without_blanks(text));
-    replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
-    for (const char* written : {"\u2030", "per mille"}) replace_all(ascii, written, "permille");
-    // "8 in-lb", and of a torque constant "3 oz-in/A".
-    const auto divided = std::min(ascii.find('/'), ascii.size());
-    if (const auto torque = torque_of(without_blanks(std::string_view(ascii).substr(0, divided)));
-        !torque.empty()) {
-      ascii.replace(0, divided, torque);
-    }
-    // A date, an offset or a logarithm is no proportional unit.
-    if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
-    return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));
+    const std::string unit = readable_unit(text);
+    return unit.empty() && !without_blanks(text).empty() ? nullptr
+                                                         : Unit(ut_parse(system_, unit.c_str(), UT_UTF8));
   }
 
   UnitAnswer find_uncached(std::string_view from, std::string_view to) {
@@ -121,20 +106,13 @@ class Units {
     const std::unique_ptr<cv_converter, void (*)(cv_converter*)> f(ut_get_converter(from, to), cv_free);
     if (f == nullptr) return std::nullopt;
     const auto value = [&](double x) { return cv_convert_double(f.get(), x); };
-    Conversion c{value(1.0), false, 0};
+    const double factor = value(1.0);
     constexpr double kRounding = 1e-14;
-    if (!(c.factor > 0.0) || !std::isfinite(c.factor) || value(0.0) != 0.0 ||
-        std::abs(value(2.0) / (2.0 * c.factor) - 1.0) > kRounding) {
+    if (!(factor > 0.0) || !std::isfinite(factor) || value(0.0) != 0.0 ||
+        std::abs(value(2.0) / (2.0 * factor) - 1.0) > kRounding) {
       return std::nullopt;
     }
-    // 10^±22 are the last powers of ten that a double holds exactly.
-    const double power = std::round(std::log10(c.factor));
-    if (std::abs(power) <= 22.0 && std::abs(c.factor / std::pow(10.0, power) - 1.0) < kRounding) {
-      c.decimal = true;
-      c.power = static_cast<int>(power);
-      c.factor = c(1.0);
-    }
-    return c;
+    return conversion_by(factor);
   }
 
   /// Power of the radian inside a unit.
@@ -175,12 +153,6 @@ class Units {
 };
 
 }  // namespace
-
-std::string_view without_blanks(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r\n") - first + 1);
-}
 
 UnitAnswer find_unit(std::string_view from, std::string_view to) { return Units::instance().find(from, to); }
 

@@ -18,6 +18,9 @@ UnitAnswer find_unit(std::string_view from, std::string_view to);
 
 bool known_unit(std::string_view text);
 
+/// A factor of conversion, taken for the power of ten that it is up to rounding.
+Conversion conversion_by(double factor);
+
 /// The text without blanks and ends of lines around it.
 std::string_view without_blanks(std::string_view text);
 
