@@ -7,6 +7,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
+#include <apps/web/offline/offline_page.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
@@ -16,6 +17,8 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/machine/drive_mode.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
@@ -29,7 +32,8 @@ namespace {
 struct CompareCommand {
   Common common;
   ComparisonOptions what;
-  std::string traces;  ///< directory of every trial's trace; empty: none
+  std::string traces;    ///< directory of every trial's trace; empty: none
+  bool what_if = false;  ///< with a page in which the machine can be changed
 };
 
 /// The printed figures belong to one experiment: the circle of 10 mm with the gains of the table.
@@ -84,7 +88,19 @@ void write_traces(const std::string& folder, const sim::Machine& machine, const 
   }
 }
 
+constexpr const char* kWhatIf = "what-if.html";
+
+/// The machine as it was simulated, in a page that computes without the program.
+void write_what_if(const std::string& folder, const sim::Machine& machine) {
+  const std::string text =
+      machine_text(machine, "Simulated by stribeck compare " STRIBECK_VERSION ", " + machine.name + ".");
+  io::write_atomically(folder + "/" + kWhatIf, web::offline_page({{"machine.toml", text}}));
+}
+
 int compare(const CompareCommand& o) {
+  if (o.what_if && o.common.report.empty())
+    refuse_option("--what-if", "expected --report DIR as well, the folder that it is written into");
+  if (o.what_if) static_cast<void>(web::offline_page({}));  // before the work: this program may have none
   const std::vector<std::string> inputs = inputs_of(o.what);
   check_distinct(inputs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
@@ -125,8 +141,10 @@ int compare(const CompareCommand& o) {
     input.inputs = made.inputs;
     input.warnings = warnings;
     input.printed = printed;
+    if (o.what_if) input.what_if = kWhatIf;
     report::write_compare_report(folders_of(o.common), input);
     if (!o.common.report.empty()) write_evidence(o.common.report, machine, parameters);
+    if (o.what_if) write_what_if(o.common.report, machine);
   }
   // Elsewhere the experiment or the options say it.
   if (experiment == kOwn) say(o.common, fmt::format("Path: {}.\n", result.spec.travels.front().name));
@@ -182,6 +200,9 @@ void add_compare(CLI::App& app, Action& action) {
           "Write the trace of every trial as a CSV, SPEED-ID-trial-NUMBER.csv with speeds counted from 1")
       ->type_name("DIR");
   add_common(*verb, o->common);
+  verb->add_flag(
+      "--what-if", o->what_if,
+      "Write DIR/what-if.html beside the page of --report: this machine with knobs to turn, computed in the browser without the program");
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck compare machines/biaxial-table.toml --experiment bi-table --json out.json "

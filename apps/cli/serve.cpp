@@ -18,8 +18,10 @@
 #include <apps/cli/shared.hpp>
 #include <apps/web/guard.hpp>
 #include <apps/web/http_server.hpp>
+#include <apps/web/offline/offline_page.hpp>
 #include <apps/web/site.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/workflow/live/sampler_stream.hpp>
 #include <stribeck/workflow/live/stream_out.hpp>
@@ -37,6 +39,7 @@ struct ServeCommand {
   std::string live_columns;
   std::string udp;
   std::string mqtt;
+  std::string page;  ///< file of the dashboard that computes without the program; empty: serve
 };
 
 /// "x-cmd mm, x-fb mm"
@@ -103,8 +106,16 @@ std::string host_to_open(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
 
+/// The dashboard with the machine files of the folder, as one file.
+int write_dashboard(const ServeCommand& o) {
+  io::write_atomically(o.page, web::offline_page(web::machine_files(o.folder)));
+  fmt::print("{}: open it in a browser; it needs neither the program nor a network\n", io::printable(o.page));
+  return 0;
+}
+
 int serve(const ServeCommand& o) {
   check_serve(o);
+  if (!o.page.empty()) return write_dashboard(o);
   web::Site site({o.folder, o.token, STRIBECK_VERSION, sampler_of(o), sinks_of(o)});
   web::Listen listen{o.address, static_cast<unsigned short>(o.port)};
   listen.signals = true;
@@ -174,9 +185,14 @@ void add_serve(CLI::App& app, Action& action) {
           "--mqtt", o->mqtt,
           "Publish every row of a stream at an MQTT broker: HOST, HOST:PORT or HOST:PORT/TOPIC (1883, stribeck/live)")
       ->type_name("HOST");
+  verb->add_option(
+          "--page", o->page,
+          "In place of serving, write the dashboard with the machine files of the folder as one file: it computes in "
+          "any browser, without the program and without a network")
+      ->type_name("FILE.html");
   refuse_empty_options(*verb);
   verb->footer(
-      "Examples:\n  stribeck serve machines\n  stribeck serve --port 8080\n"
+      "Examples:\n  stribeck serve machines\n  stribeck serve --port 8080\n  stribeck serve machines --page dashboard.html\n"
       "  halsampler -t | stribeck serve --live - --live-side run.log.toml --udp 9870");
   verb->callback([o, &action] { action = [o] { return serve(*o); }; });
 }

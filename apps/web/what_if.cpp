@@ -11,6 +11,7 @@
 #include <stribeck/path/curve.hpp>
 #include <stribeck/report/shell_words.hpp>
 #include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/study/factors.hpp>
 
@@ -241,8 +242,8 @@ std::pair<std::unique_ptr<sim::EndlessRun>, std::string> WhatIf::endless(const W
 
 std::string WhatIf::machine_file(const WhatIfRequest& r) const {
   const auto [nominal, name] = machines_.read(r.machine);
-  return io::write_toml(changed(nominal, r),
-                        "Made by stribeck serve from " + name.file + ", with values changed by hand.");
+  return workflow::machine_text(
+      changed(nominal, r), "Made by stribeck serve from " + name.file + ", with values changed by hand.");
 }
 
 nlohmann::ordered_json WhatIf::form(const std::string& id) const {

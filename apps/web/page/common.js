@@ -37,10 +37,12 @@ const answerOf = async (response) => {
   return answer;
 };
 
+// A page without a server answers itself (apps/web/offline/boot.js).
+const carried = globalThis.stribeckFetch || ((target, options) => fetch(target, options));
 const asked = async (target, options) => {
   let response;
   try {
-    response = await fetch(target, options);
+    response = await carried(target, options);
   } catch {
     throw new Refused('stribeck serve does not answer (has it ended?)');
   }
@@ -54,6 +56,14 @@ export const post = (target, body) => asked(target, {
   body: JSON.stringify(body),
 });
 export const send = (target, bytes) => asked(target, {method: 'POST', body: bytes});
+
+// A link to a page that is made on request: without a server it is made here.
+export const followed = async (event) => {
+  if (!globalThis.stribeckFetch) return;
+  event.preventDefault();
+  const text = await get(event.currentTarget.getAttribute('href'));
+  window.open(URL.createObjectURL(new Blob([text], {type: 'text/html'})), '_blank', 'noopener');
+};
 
 export const download = (name, text, type) => {
   const link = element('a', {href: URL.createObjectURL(new Blob([text], {type})), download: name});

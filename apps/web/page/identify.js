@@ -1,5 +1,5 @@
 // Identify: logs that are dropped, how they are read, and what they tell.
-import {byId, client, download, element, post, send, shown, table, unitText} from './common.js';
+import {byId, client, download, element, followed, post, send, shown, table, unitText} from './common.js';
 import {Chart} from './chart.js';
 
 const logs = [];        // {id, name, inspected}
@@ -227,6 +227,7 @@ const drawResult = () => {
 // ---- events
 
 byId('save').addEventListener('click', () => download((result.axis || 'axis') + '.toml', result.axis_file, 'application/toml'));
+byId('page').addEventListener('click', (e) => followed(e).catch((error) => fail(error.message)));
 byId('files').addEventListener('change', (e) => { add([...e.target.files]); e.target.value = ''; });
 for (const key of ['axis', 'gain', 'lead', 'sample_time']) byId(key).addEventListener('change', inspect);
 const drop = byId('drop');

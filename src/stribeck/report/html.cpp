@@ -131,6 +131,9 @@ void Page::section(std::string_view heading) {
 void Page::subsection(std::string_view heading) { add(element("h3", heading)); }
 void Page::paragraph(std::string_view text) { add(element("p", text)); }
 void Page::lead(std::string_view text) { add(element("p class=\"lead\"", text)); }
+void Page::link(std::string_view file, std::string_view words) {
+  add("<p><a href=\"" + escape(file, true) + "\">" + escape(words, true) + "</a></p>\n");
+}
 void Page::remark(std::string_view text) { add(element("p class=\"remark\"", text)); }
 void Page::code(std::string_view text) { add("<pre><code>" + escape(text, true) + "</code></pre>\n"); }
 

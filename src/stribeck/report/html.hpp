@@ -70,6 +70,8 @@ class Page {
   void lead(std::string_view text);
   /// The few numbers that matter, for the first screen.
   void numbers(const std::vector<KeyNumber>& numbers);
+  /// A line that leads to another file beside the page.
+  void link(std::string_view file, std::string_view words);
   /// A small remark, e.g. the source of numbers.
   void remark(std::string_view text);
   void code(std::string_view text);

@@ -333,6 +333,9 @@ Page compare_report_page(const CompareReportInput& input) {
   const Recommendation advice = recommendation(blocks, result);
   page.lead(advice.words);
   page.numbers(advice.numbers);
+  if (!input.what_if.empty())
+    page.link(input.what_if,
+              "Change friction, gains or speed of this machine and see what follows, in this browser");
   largest_errors(page, drawn, result);
   page.warnings(all_warnings(input));
 

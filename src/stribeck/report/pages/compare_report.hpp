@@ -46,6 +46,7 @@ struct CompareReportInput {
   std::span<const PrintedTable> printed{};  ///< kBiaxialTables for bi-table; empty: nothing to compare with
   std::vector<std::string> warnings = {};   ///< from the caller, in addition to those found here
   std::vector<InputFile> inputs = {};       ///< that the result came from
+  std::string what_if = {};  ///< file beside the page in which this machine can be changed; empty: none
 };
 
 /// The page as text.

@@ -140,7 +140,9 @@ sim::Machine as_machine(const MachineDescription& d) {
                           p.sine_frequency.value, c.encoder_resolution};
     // What the data sheet of the drive says goes before what the simulation would make of the true one.
     if (a.drive) {
-      if (!axis.limits.force) axis.limits.force = a.drive->peak();
+      // Rounded numbers of a data sheet may be a little above those of the simulated drive.
+      if (const auto peak = a.drive->peak(); peak && !axis.limits.force)
+        axis.limits.force = a.plant ? std::min(*peak, sim::NamePlate::of(*a.plant).force) : *peak;
       if (!axis.commissioning.encoder_resolution)
         axis.commissioning.encoder_resolution = a.drive->resolution();
     }

@@ -57,6 +57,9 @@ bool is_of_thesis(const sim::Machine& machine);
 /// Refuses an axis whose largest force is not said.
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis);
 
+/// A virtual machine as a file that can be read again. Axes that turn are in degrees and N m, as their files are.
+std::string machine_text(const sim::Machine& machine, const std::string& comment);
+
 /// A sentence where an identified mass (95 % from low to high) is not one that the file allows; empty: it is, or low is not finite.
 std::string mass_contradiction(const AxisDescription& axis, double low, double high);
 

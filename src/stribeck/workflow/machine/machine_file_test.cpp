@@ -363,6 +363,26 @@ TEST(MachineFile, AnIdentifiedMassMayContradictIt) {
   EXPECT_THAT(mass_contradiction(a, 1.2, 2.7), HasSubstr("contradicts the machine file"));
 }
 
+TEST(MachineFile, AVirtualMachineThatIsWrittenCanBeRead) {
+  const test::Folder folder;
+  const std::string written = folder / "machine.toml";
+  for (const std::string name : {"gantry-virtual", "rotary-table-virtual", "trunnion-virtual"}) {
+    const sim::Machine machine = read_virtual_machine(kExamples + name + ".toml");
+    io::write_atomically(written, machine_text(machine, name));
+    const sim::Machine again = read_virtual_machine(written);
+    ASSERT_EQ(again.axes.size(), machine.axes.size()) << name;
+    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+      const sim::MachineAxis& before = machine.axes[i].second;
+      const sim::MachineAxis& after = again.axes[i].second;
+      EXPECT_EQ(after.rotary, before.rotary) << name;
+      EXPECT_NEAR(after.plant.mass / before.plant.mass, 1.0, 1e-12) << name;
+      EXPECT_NEAR(after.limits.travel_max / before.limits.travel_max, 1.0, 1e-12) << name;
+      EXPECT_NEAR(after.plant.force_gain() / before.plant.force_gain(), 1.0, 1e-12) << name;
+      EXPECT_EQ(after.plant.unbalance.has_value(), before.plant.unbalance.has_value()) << name;
+    }
+  }
+}
+
 TEST(MachineFile, AMassBelowThatOfTheRotorIsAWrongScale) {
   AxisDescription a;
   a.commissioning.mass = Rough(2200.0);
