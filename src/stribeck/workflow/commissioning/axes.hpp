@@ -22,6 +22,11 @@ struct Stopped : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Somebody pressed the emergency stop or switched the machine off: nothing is tried again.
+struct StoppedByHand : Stopped {
+  using Stopped::Stopped;
+};
+
 struct RunningAxis {
   std::string name;  ///< in the machine file, one of x y z u v w
   char letter = 'X';

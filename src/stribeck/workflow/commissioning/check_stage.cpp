@@ -57,7 +57,7 @@ void refuse_unrest(Work& work) {
       if (p.name != a.controller + ".fault" || (fault != kWrongSign && fault != kOscillation)) continue;
       work.machine.switch_off();
       throw Stopped(fmt::format(
-          "axis {}: it does not come to rest in its loop, although with little force (fault {} of {}). The sign of the force or of the "
+          "axis {}: it oscillates or runs away in closed loop even with a small force (fault {} of {}). The sign of the force or of the "
           "encoder is wrong (change one of the two: the scale of the drive's output, or of the encoder)",
           a.name, fault, a.controller));
     }
@@ -68,7 +68,10 @@ void refuse_unrest(Work& work) {
 void switch_on_weak(Work& work) {
   work.machine.begin_record(work.axes.sampler, work.folder + "/on.log");
   std::string refused;
+  const bool faulted = controller_faulted(work);
   try {
+    // The try before may have tripped it; anybody else's emergency stop stays.
+    if (faulted && work.machine.state().estop) work.machine.release_emergency_stop();
     work.machine.switch_on();
   } catch (const MachineError& e) {
     refused = e.what();
@@ -92,6 +95,9 @@ SignTest try_sign(Work& work, ChangedValues& changed, const RunningAxis& a, doub
   try {
     jog(work, a, kFirstMove / kFirstTime, kFirstMove);
     machine.sleep(kSettle);
+  } catch (const StoppedByHand&) {
+    machine.end_record();
+    throw;
   } catch (const Stopped& e) {
     stopped = e.what();
   }
@@ -103,6 +109,8 @@ SignTest try_sign(Work& work, ChangedValues& changed, const RunningAxis& a, doub
   if (stopped.empty() && test.sign == Sign::kRight) {
     try {
       jog(work, a, kFirstMove / kFirstTime, -kFirstMove);
+    } catch (const StoppedByHand&) {
+      throw;
     } catch (const Stopped&) {
       // It was stopped at the small force; what it has shown holds.
     }
@@ -151,9 +159,9 @@ void home_all(Work& work) {
     machine.home();
     for (double waited = 0.0; !machine.state().homed(); waited += kSettle) {
       const MachineState state = machine.state();
-      if (const std::string why = trouble(work, state); !why.empty()) {
+      if (const Trouble why = trouble(work, state); why.any()) {
         machine.stop();
-        throw Stopped(why);
+        stop_for(why);
       }
       if (waited > 600.0) throw Stopped("homing has not ended");
       machine.sleep(kSettle);
@@ -177,9 +185,13 @@ io::Json check(Work& work) {
                            report::significant(1e3 * a.limits.speed, 4),
                            report::significant(1e3 * a.limits.acceleration, 4)));
   for (const std::string& text : work.axes.warnings) work.found("warning: " + text);
-  work.ask(
-      "Keep the emergency stop within reach. Switches the machine off and on and moves each axis by 0.05 mm, first with a force that "
-      "is less than its friction, then with more, until the encoder shows the direction.");
+  refuse_offsets(work);
+  const bool estop = work.machine.state().estop;
+  work.ask(fmt::format(
+      "Keep the emergency stop within reach. {} the machine off and on and moves each axis by 0.05 mm, first with a force that "
+      "is less than its friction, then with more, until the encoder shows the direction.",
+      estop ? "Releases the emergency stop, switches" : "Switches"));
+  if (estop) work.machine.release_emergency_stop();
   ChangedValues changed(work.machine, work.folders.path(kForAWhile));
   io::Json axes = io::Json::array();
   for (const RunningAxis& a : work.axes.axes) axes.push_back(find_sign(work, changed, a));

@@ -74,13 +74,13 @@ CirclePlan plan_circle(const RunningAxes& all) {
 
 std::string CirclePlan::approach() const {
   return fmt::format(
-      "(to the start of the circle)\nG21 {} G90 G94 G64 P0.001\nG1 {}{} {}{} F{:.3f}\nG4 P0.5\nM2\n", plane,
-      u->letter, mm(middle_u + radius), v->letter, mm(middle_v), 60e3 * speed);
+      "(to the start of the circle)\nG21 {} G90 G91.1 G94 G40 G64 P0.001\nG1 {}{} {}{} F{:.3f}\nG4 P0.5\nM2\n",
+      plane, u->letter, mm(middle_u + radius), v->letter, mm(middle_v), 60e3 * speed);
 }
 
 std::string CirclePlan::laps(bool counter_clockwise) const {
-  std::string out =
-      fmt::format("(circle of {} mm)\nG21 {} G90 G94 G64 P0.001\nF{:.3f}\n", mm(radius), plane, 60e3 * speed);
+  std::string out = fmt::format("(circle of {} mm)\nG21 {} G90 G91.1 G94 G40 G64 P0.001\nF{:.3f}\n",
+                                mm(radius), plane, 60e3 * speed);
   // In G18 the first axis of the circle is Z, so that its directions are the other way round.
   const bool g3 = counter_clockwise != (plane == "G18");
   for (int k = 0; k < kLaps; ++k)

@@ -128,6 +128,42 @@ TEST(Commissioning, AJointMayBeNarrowerThanItsAxis) {
       << why;
 }
 
+// With an unclear sign the next try released the emergency stop that somebody had just pressed.
+TEST(Commissioning, AnEmergencyStopEndsTheStageAndStays) {
+  for (const std::string hand : {"estop", "off"}) {
+    Session s;
+    s.machine.pressed_after = hand;
+    const std::string why = s.stops();
+    EXPECT_NE(why.find(hand == "estop" ? "the emergency stop was pressed" : "the machine was switched off"),
+              std::string::npos)
+        << why;
+    EXPECT_EQ(s.machine.estop, hand == "estop");
+    EXPECT_FALSE(s.machine.on);
+    EXPECT_EQ(s.asked("jog"), 1) << hand;
+    EXPECT_EQ(s.asked("release"), 0);
+  }
+}
+
+TEST(Commissioning, AnEmergencyStopIsReleasedAfterAQuestionAlone) {
+  Session s;
+  s.machine.estop = true;
+  s.agrees = false;
+  EXPECT_NE(s.stops().find("not agreed"), std::string::npos);
+  EXPECT_TRUE(s.machine.estop);
+  EXPECT_NE(s.said.back().find("Releases the emergency stop"), std::string::npos);
+  s.agrees = true;
+  EXPECT_EQ(s.stops(), "");
+  EXPECT_EQ(s.asked("release"), 1);
+}
+
+// Programs went elsewhere by the work offset of the last part.
+TEST(Commissioning, NothingMovesWhileOffsetsAreActive) {
+  Session s;
+  s.machine.offsets = "work offset X12.5";
+  EXPECT_NE(s.stops().find("offsets are active (work offset X12.5)"), std::string::npos);
+  EXPECT_EQ(s.asked("jog") + s.asked("on"), 0);
+}
+
 TEST(Commissioning, AnAxisThatDoesNotMoveIsSaid) {
   Session s;
   s.machine.stiffness = 2e9;

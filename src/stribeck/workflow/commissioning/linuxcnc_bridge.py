@@ -49,8 +49,10 @@ def poll(done, what):
 
 
 def complete(what):
-    if COMMAND.wait_complete(PATIENCE) == linuxcnc.RCS_ERROR:
-        fail(f"LinuxCNC refuses: {what}" + "".join(": " + text for text in messages()[:1]))
+    ended = COMMAND.wait_complete(PATIENCE)
+    if ended != linuxcnc.RCS_DONE:
+        why = "refuses" if ended == linuxcnc.RCS_ERROR else f"has not answered for {PATIENCE:.0f} s"
+        fail(f"LinuxCNC {why}: {what}" + "".join(": " + text for text in messages()[:1]))
 
 
 def taken():
@@ -83,6 +85,18 @@ def mode(wanted):
         complete("a change of mode")
 
 
+def offsets():
+    """What stands between the coordinates of a program and those of the machine, in words."""
+    found = []
+    for name, values in (("work offset", STATUS.g5x_offset), ("G92", STATUS.g92_offset), ("tool length", STATUS.tool_offset)):
+        parts = [f"{letter}{value:.6g}" for letter, value in zip("XYZABCUVW", values) if abs(value) > 1e-9]
+        if parts:
+            found.append(" ".join([name, *parts]))
+    if abs(STATUS.rotation_xy) > 1e-9:
+        found.append(f"rotation of {STATUS.rotation_xy:.6g} degrees")
+    return ", ".join(found)
+
+
 def state(_):
     STATUS.poll()
     joints = []
@@ -110,17 +124,28 @@ def state(_):
             and not any(STATUS.joint[i]["homing"] or not STATUS.joint[i]["inpos"] for i in range(STATUS.joints))
         ),
         "linear_units": STATUS.linear_units,
+        "offsets": offsets(),
         "joints": joints,
         "errors": messages(),
     }
 
 
-def switch_on(_):
+def in_estop():
     STATUS.poll()
-    if STATUS.task_state in (linuxcnc.STATE_ESTOP, 0):
+    return STATUS.task_state in (linuxcnc.STATE_ESTOP, 0)
+
+
+def release(_):
+    if in_estop():
         COMMAND.state(linuxcnc.STATE_ESTOP_RESET)
         complete("the emergency stop is not released")
-    STATUS.poll()
+        poll(lambda: not in_estop(), "a released emergency stop (is the button still pressed?)")
+    return {}
+
+
+def switch_on(_):
+    if in_estop():
+        fail("the emergency stop is active: the machine is not switched on")
     if STATUS.task_state != linuxcnc.STATE_ON:
         COMMAND.state(linuxcnc.STATE_ON)
         complete("machine on")
@@ -274,6 +299,7 @@ def finish(_):
 DO = {
     "state": state,
     "ini": lambda wanted: {"values": INI.findall(wanted["section"], wanted["key"])},
+    "release": release,
     "on": switch_on,
     "off": switch_off,
     "home": home,

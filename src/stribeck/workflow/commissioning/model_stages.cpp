@@ -91,8 +91,10 @@ void write_page_of_circles(Work& work, const CirclePlan& plan) {
 io::Json judge_models(Work& work, const CirclePlan& plan) {
   work.machine.switch_on();
   work.machine.sleep(kTakenOver);
-  if (const std::string why = trouble(work, work.machine.state()); !why.empty())
-    throw Stopped("with the identified models: " + why);
+  if (Trouble why = trouble(work, work.machine.state()); why.any()) {
+    if (!why.by_hand) why.why.insert(0, "with the identified models: ");
+    stop_for(why);
+  }
   if (plan.u == nullptr) return {{"max_um", nullptr}};
   const double before = work.folders.result("before")->value("max_um", kNaN) * 1e-6;
   const double after = drive_circle(work, plan, work.folder + "/circle.csv");

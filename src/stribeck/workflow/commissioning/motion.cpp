@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include <stribeck/io/file.hpp>
 #include <stribeck/workflow/commissioning/parts.hpp>
@@ -11,6 +12,7 @@ namespace {
 constexpr double kLook = 0.02;      // between two looks at the machine [s]
 constexpr double kPatience = 60.0;  // beyond the time that a motion takes [s]
 constexpr double kToBegin = 2.0;    // until a motion shows [s]
+constexpr double kToSayWhy = 0.05;  // after a machine went off [s]
 constexpr int kLibraryFault = 100;  // of the components, docs/guides/linuxcnc.md
 
 std::string fault_in_words(int fault) {
@@ -33,6 +35,18 @@ std::string fault_in_words(int fault) {
   }
 }
 
+std::string fault_of_controllers(Work& work) {
+  for (const RunningAxis& a : work.axes.axes) {
+    for (const HalItem& p : work.machine.pins(a.controller + ".fault")) {
+      const int fault = std::atoi(p.value.c_str());
+      if (p.name == a.controller + ".fault" && fault != 0)
+        return fmt::format("axis {}: {} (fault {} of {})", a.name, fault_in_words(fault), fault,
+                           a.controller);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 void Work::found(const std::string& text) {
@@ -45,23 +59,37 @@ void Work::ask(const std::string& motion) const {
   if (!dialogue.agree(motion)) throw Stopped("not begun: the motion was not agreed to");
 }
 
-std::string trouble(Work& work, const MachineState& state) {
-  for (const RunningAxis& a : work.axes.axes) {
-    for (const HalItem& p : work.machine.pins(a.controller + ".fault")) {
-      const int fault = std::atoi(p.value.c_str());
-      if (p.name == a.controller + ".fault" && fault != 0)
-        return fmt::format("axis {}: {} (fault {} of {})", a.name, fault_in_words(fault), fault,
-                           a.controller);
-    }
+bool controller_faulted(Work& work) { return !fault_of_controllers(work).empty(); }
+
+Trouble trouble(Work& work, const MachineState& state) {
+  if (std::string fault = fault_of_controllers(work); !fault.empty()) return {std::move(fault)};
+  if (!state.errors.empty()) return {"LinuxCNC says: " + state.errors.front()};
+  if (!state.on) {
+    // What switched it off may say why a moment later.
+    work.machine.sleep(kToSayWhy);
+    if (const auto late = work.machine.state().errors; !late.empty())
+      return {"LinuxCNC says: " + late.front()};
+    return {state.estop ? "the emergency stop was pressed" : "the machine was switched off", true};
   }
-  if (!state.errors.empty()) return "LinuxCNC says: " + state.errors.front();
-  if (!state.on) return "the machine was switched off";
   for (const RunningAxis& a : work.axes.axes) {
     const JointState& j = state.joints.at(static_cast<std::size_t>(a.joint));
-    if (j.at_limit) return fmt::format("axis {}: a limit of joint {} is active", a.name, a.joint);
-    if (j.fault) return fmt::format("axis {}: the amplifier of joint {} has a fault", a.name, a.joint);
+    if (j.at_limit) return {fmt::format("axis {}: a limit of joint {} is active", a.name, a.joint)};
+    if (j.fault) return {fmt::format("axis {}: the amplifier of joint {} has a fault", a.name, a.joint)};
   }
   return {};
+}
+
+void stop_for(const Trouble& trouble) {
+  if (trouble.by_hand) throw StoppedByHand(trouble.why);
+  throw Stopped(trouble.why);
+}
+
+void refuse_offsets(Work& work) {
+  if (const std::string offsets = work.machine.state().offsets; !offsets.empty())
+    throw Stopped(fmt::format(
+        "offsets are active ({}), and the motions are planned in machine coordinates: take them off (G10 L2 P0 X0 Y0 Z0 R0, G92.1, "
+        "G49) and repeat the stage",
+        offsets));
 }
 
 void wait_for_motion(Work& work, double seconds) {
@@ -69,9 +97,9 @@ void wait_for_motion(Work& work, double seconds) {
   int still = 0;
   for (double waited = 0.0; waited < seconds + kPatience; waited += kLook) {
     const MachineState state = work.machine.state();
-    if (const std::string why = trouble(work, state); !why.empty()) {
+    if (const Trouble why = trouble(work, state); why.any()) {
       work.machine.stop();
-      throw Stopped(why);
+      stop_for(why);
     }
     begun = begun || state.moving || waited > kToBegin;
     still = state.moving ? 0 : still + 1;
@@ -90,9 +118,9 @@ void jog(Work& work, const RunningAxis& axis, double speed, double distance) {
   const double seconds = std::abs(distance) / speed;
   for (double waited = 0.0; waited < seconds + kPatience; waited += kLook) {
     const MachineState state = work.machine.state();
-    if (const std::string why = trouble(work, state); !why.empty()) {
+    if (const Trouble why = trouble(work, state); why.any()) {
       work.machine.stop();
-      throw Stopped(why);
+      stop_for(why);
     }
     const double went = state.joints.at(joint).command - from;
     if (std::abs(went * unit - distance) < 1e-3 * std::abs(distance)) return;
@@ -104,6 +132,7 @@ void jog(Work& work, const RunningAxis& axis, double speed, double distance) {
 
 void run_program(Work& work, const std::string& name, const std::string& gcode, double seconds,
                  const std::string& record) {
+  refuse_offsets(work);
   const std::string program = work.folder + '/' + name + ".ngc";
   io::write_atomically(program, gcode);
   if (!record.empty()) work.machine.begin_record(work.axes.sampler, record);
@@ -130,11 +159,14 @@ double tighten(Work& work, ChangedValues& changed, const RunningAxis& axis, doub
 void require_ready(Work& work) {
   const MachineState state = work.machine.state();
   if (!state.homed()) throw Stopped("the machine is not homed (home it, or repeat: --stage check)");
+  refuse_offsets(work);
   if (state.on) return;
-  work.ask("Switches the machine on.");
+  work.ask(state.estop ? "Releases the emergency stop and switches the machine on."
+                       : "Switches the machine on.");
+  if (state.estop) work.machine.release_emergency_stop();
   work.machine.switch_on();
   work.machine.sleep(0.2);
-  if (const std::string why = trouble(work, work.machine.state()); !why.empty()) throw Stopped(why);
+  if (const Trouble why = trouble(work, work.machine.state()); why.any()) stop_for(why);
 }
 
 }  // namespace stribeck::workflow::commissioning

@@ -48,6 +48,20 @@ bool ours(const Json& one, const std::string& sum) {
   return std::find(written.begin(), written.end(), sum) != written.end();
 }
 
+/// Copies a file as it is into the folder of originals. Gives its entry of the list.
+Json kept_original(const std::string& folder, std::size_t number, const std::string& path,
+                   const std::string& text) {
+  const std::string before = sum_of(path);
+  const std::string kept = fmt::format("{}-{}", number, fs::path(path).filename().string());
+  std::error_code error;
+  if (!before.empty()) {
+    fs::copy_file(path, folder + '/' + kept, fs::copy_options::overwrite_existing, error);
+    if (error) throw io::InputError({path, 0, {}, "cannot be kept: " + error.message()});
+  }
+  return {
+      {"path", path}, {"kept", kept}, {"before", before}, {"written", {io::hexadecimal(io::sha256(text))}}};
+}
+
 /// A new list of originals, renamed into place.
 void keep_originals(const std::string& folder,
                     const std::vector<std::pair<std::string, std::string>>& files) {
@@ -57,17 +71,7 @@ void keep_originals(const std::string& folder,
   io::make_directory(work);
   Json list = Json::array();
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string path = fs::absolute(files[i].first).string();
-    const std::string before = sum_of(path);
-    const std::string kept = fmt::format("{}-{}", i, fs::path(path).filename().string());
-    if (!before.empty()) {
-      fs::copy_file(path, work + '/' + kept, error);
-      if (error) throw io::InputError({path, 0, {}, "cannot be kept: " + error.message()});
-    }
-    list.push_back({{"path", path},
-                    {"kept", kept},
-                    {"before", before},
-                    {"written", {io::hexadecimal(io::sha256(files[i].second))}}});
+    list.push_back(kept_original(work, i, fs::absolute(files[i].first).string(), files[i].second));
   }
   io::write_atomically(work + "/originals.json", io::dump(list));
   fs::rename(work, folder + "/originals", error);
@@ -81,11 +85,17 @@ void replace_files(const std::string& folder, const std::vector<std::pair<std::s
   if (list.empty()) {
     keep_originals(folder, files);
   } else {
-    for (Json& one : list) {
+    for (const Json& one : list) {
       if (!ours(one, sum_of(one.value("path", "")))) refuse_changed(one.value("path", ""));
-      for (const auto& [path, text] : files) {
-        if (fs::absolute(path).string() == one.value("path", ""))
-          one["written"].push_back(io::hexadecimal(io::sha256(text)));
+    }
+    for (const auto& [file, text] : files) {
+      const std::string path = fs::absolute(file).string();
+      const auto known = std::find_if(list.begin(), list.end(),
+                                      [&](const Json& one) { return one.value("path", "") == path; });
+      if (known != list.end()) {
+        known->at("written").push_back(io::hexadecimal(io::sha256(text)));
+      } else {
+        list.push_back(kept_original(folder + "/originals", list.size(), path, text));
       }
     }
     io::write_atomically(folder + "/originals/originals.json", io::dump(list));

@@ -13,7 +13,7 @@
 
 namespace stribeck::workflow::commissioning {
 
-/// Replaces files, each at once. A second call keeps the originals of the first one.
+/// Replaces files, each at once. A second call keeps the originals of the first one, and those of files that are new to it.
 void replace_files(const std::string& folder, const std::vector<std::pair<std::string, std::string>>& files);
 
 /// Puts the originals back, removes what was not there, and then the folder of originals. Gives the files that it changed.

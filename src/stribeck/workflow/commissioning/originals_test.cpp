@@ -32,6 +32,21 @@ TEST(Originals, ComeBackByteForByte) {
   EXPECT_TRUE(restore_files(state).empty()) << "a second time there is nothing to do";
 }
 
+// A file that the first call did not name was written over, and did not come back.
+TEST(Originals, OfFilesThatASecondCallAddsComeBackToo) {
+  const Folder folder;
+  const std::string first = folder.write("mill.ini", "first");
+  const std::string second = folder.write("lathe.ini", "second");
+  const std::string state = folder / "state";
+  std::filesystem::create_directory(state);
+  replace_files(state, {{first, "new"}});
+  replace_files(state, {{second, "new"}, {folder / "more.hal", "new"}});
+  restore_files(state);
+  EXPECT_EQ(text_of(first), "first");
+  EXPECT_EQ(text_of(second), "second");
+  EXPECT_FALSE(std::filesystem::exists(folder / "more.hal"));
+}
+
 TEST(Originals, ComeBackFromAChangeThatWasInterrupted) {
   const Folder folder;
   const std::string ini = folder.write("mill.ini", "old");

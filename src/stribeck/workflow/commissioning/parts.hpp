@@ -38,8 +38,20 @@ struct Work {
   }
 };
 
-/// Why the machine has to stop; empty: it has not. `must_be_on`: switched off is a reason.
-std::string trouble(Work& work, const MachineState& state);
+/// Why the machine has to stop; an empty `why`: there is no reason. Being switched off is a reason.
+struct Trouble {
+  std::string why = {};
+  bool by_hand = false;  ///< somebody pressed the emergency stop or switched off: no fault explains it
+
+  [[nodiscard]] bool any() const noexcept { return !why.empty(); }
+};
+Trouble trouble(Work& work, const MachineState& state);
+/// Ends the stage for this reason.
+[[noreturn]] void stop_for(const Trouble& trouble);
+/// Whether a controller has a fault: it may have tripped the emergency stop itself.
+bool controller_faulted(Work& work);
+/// Programs are in machine coordinates: Stopped where offsets are active.
+void refuse_offsets(Work& work);
 /// Waits until a motion has ended; stops the machine and throws where there is a reason.
 void wait_for_motion(Work& work, double seconds);
 /// A jog in the machine file's metres, and its end.

@@ -49,6 +49,7 @@ class RunningLinuxCnc final : public RunningMachine {
     s.on = said.at("on");
     s.moving = said.at("moving");
     s.units_per_mm = said.at("linear_units");
+    s.offsets = said.at("offsets");
     s.errors = said.at("errors");
     for (const Json& j : said.at("joints"))
       s.joints.push_back({j.at("position"), j.at("command"), j.at("following_error"), j.at("homed"),
@@ -58,6 +59,7 @@ class RunningLinuxCnc final : public RunningMachine {
   std::vector<std::string> ini(const std::string& section, const std::string& key) override {
     return ask({{"do", "ini"}, {"section", section}, {"key", key}}).at("values");
   }
+  void release_emergency_stop() override { ask({{"do", "release"}}); }
   void switch_on() override { ask({{"do", "on"}}); }
   void switch_off() override { ask({{"do", "off"}}); }
   void home() override { ask({{"do", "home"}}); }

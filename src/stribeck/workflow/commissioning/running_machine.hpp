@@ -34,6 +34,8 @@ struct MachineState {
   bool on = false;
   bool moving = false;        ///< a program runs, or a joint is on its way
   double units_per_mm = 1.0;  ///< [TRAJ]LINEAR_UNITS
+  /// Offsets between a program and the machine (G54 to G59.3, G92, tool length, rotation), in words; empty: there are none.
+  std::string offsets = {};
   std::vector<JointState> joints;
   std::vector<std::string> errors;  ///< messages of LinuxCNC since the last call
 
@@ -63,7 +65,9 @@ class RunningMachine {
   /// All values of a key of the INI file, as LinuxCNC reads it.
   virtual std::vector<std::string> ini(const std::string& section, const std::string& key) = 0;
 
-  virtual void switch_on() = 0;  ///< resets the emergency stop too
+  /// After a person has agreed to it; refused where a button is still pressed.
+  virtual void release_emergency_stop() = 0;
+  virtual void switch_on() = 0;  ///< refused while the emergency stop is active
   virtual void switch_off() = 0;
   virtual void home() = 0;  ///< begins to home all joints
   /// Begins a move of one joint by a distance.

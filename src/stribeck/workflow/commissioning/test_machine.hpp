@@ -36,13 +36,17 @@ class FakeMachine final : public RunningMachine {
       {"ax.x.force-limit", "1000"},     {"ax.x.feedforward", "2"},       {"ax.x.observer", "1"},
       {"ax.x.adaptation.enabled", "0"}, {"ax.x.drive-loop.mode", "nan"}, {"ax.x.omega", "300"}};
   bool on = false;
+  bool estop = false;
+  std::string offsets = {};        ///< of a program
+  std::string pressed_after = {};  ///< "estop" or "off": somebody's hand, at the next move
   bool is_homed = true;
   bool broken_record = false;  ///< rows of its records are no numbers
 
   MachineState state() override {
     MachineState s;
-    s.estop = false;
+    s.estop = estop;
     s.on = on;
+    s.offsets = offsets;
     s.joints = {{1e3 * sign * table_, 1e3 * command_, 0.0, is_homed, false, false}};
     s.errors = std::move(errors_);
     errors_.clear();
@@ -52,7 +56,12 @@ class FakeMachine final : public RunningMachine {
     const auto at = keys.find(section + ' ' + key);
     return at == keys.end() ? std::vector<std::string>() : at->second;
   }
+  void release_emergency_stop() override {
+    log.emplace_back("release");
+    estop = false;
+  }
   void switch_on() override {
+    if (estop) throw MachineError("the emergency stop is active");
     log.emplace_back("on");
     on = true;
     fault_value = "0";
@@ -69,6 +78,11 @@ class FakeMachine final : public RunningMachine {
   void jog(int /*joint*/, double speed, double distance) override {
     log.push_back("jog " + std::to_string(distance));
     if (!message_after.empty()) errors_.push_back(message_after);
+    if (!pressed_after.empty()) {
+      estop = pressed_after == "estop";
+      on = false;
+      pressed_after.clear();
+    }
     const double from = command_;
     const double rows = std::abs(distance / speed) / kPeriod;
     for (double k = 1.0; k <= rows && on; k += 1.0) step(from + 1e-3 * distance * k / rows);
