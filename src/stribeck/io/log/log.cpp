@@ -153,6 +153,15 @@ void complete_times(Log& log, const ReadOptions& options) {
                                        : told.period       ? told.period
                                                            : options.machine_period;
   const bool of_machine = !options.sample_time && !told.period;
+  if (const Column* time = of_machine ? detail::time_of_unknown_unit(log) : nullptr; time != nullptr) {
+    const std::string name = time->header.empty() ? time->name : time->header;
+    throw InputError(Problem{
+        log.source, 0, "",
+        "column " + in_quotes(name) +
+            " looks like the time, in a unit that is not known (say how long one count is: --map t=\"" +
+            name +
+            " 1e-7 s\", with your value; or --sample-time \"1 ms\" where rows follow each other at equal times)"});
+  }
   constexpr const char* kOtherPeriod =
       " (where the log has every second or every tenth period alone, say so with --sample-time)";
   if (!period) {

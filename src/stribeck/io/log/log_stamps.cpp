@@ -170,7 +170,12 @@ const Column* row_counter(const Log& log) {
                                                     "count", "counter", "row",     "takt"};
   for (const Column& c : log.columns) {
     if (!c.texts.empty() || c.values.size() < 2 || (!c.unit_text.empty() && c.unit_text != "1")) continue;
-    if (std::find(kNames.begin(), kNames.end(), lower_case(c.name)) == kNames.end()) continue;
+    const std::string name = lower_case(c.name);
+    const std::string last = name.substr(name.find_last_of(" _-") + 1);  // "IPO_Cycle"
+    constexpr std::array<std::string_view, 4> kOfControl{"tick", "ticks", "cycle", "takt"};
+    if (std::find(kNames.begin(), kNames.end(), name) == kNames.end() &&
+        std::find(kOfControl.begin(), kOfControl.end(), last) == kOfControl.end())
+      continue;
     const bool counts = std::adjacent_find(c.values.begin(), c.values.end(), [](double a, double b) {
                           return !(b > a) || b != std::floor(b) || a != std::floor(a);
                         }) == c.values.end();
@@ -214,6 +219,19 @@ bool same_stamps(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 }  // namespace
+
+const Column* time_of_unknown_unit(const Log& log) {
+  for (const Column& c : log.columns) {
+    const std::string& header = c.header.empty() ? c.name : c.header;
+    const auto bracket = header.find_first_of("[(");
+    if (!c.texts.empty() || bracket == std::string::npos || bracket == 0) continue;
+    std::string base = lower_case(header.substr(0, bracket));
+    base.erase(base.find_last_not_of(" _") + 1);
+    if (std::find(kTimeNames.begin(), kTimeNames.end(), base) != kTimeNames.end() && increases(c.values))
+      return &c;
+  }
+  return nullptr;
+}
 
 bool pair_times(Log& log) {
   const auto is_time = [](const Column& c) {

@@ -131,6 +131,32 @@ TEST(LogStamps, ACounterOfRowsTellsWhichAreMissing) {
   EXPECT_DOUBLE_EQ(parse("x_mm,f\n0,1\n2,2\n4,3\n", options).columns.at(0).values.at(2), 0.5);
 }
 
+TEST(LogStamps, ACounterMayBeThatOfTheControl) {
+  ReadOptions options;
+  options.sample_time = 0.25;
+  for (const char* name : {"Tick", "IPO_Cycle", "servo ticks"})
+    EXPECT_DOUBLE_EQ(parse(std::string(name) + ",x_mm\n0,1\n5,2\n10,3\n", options).columns.at(0).values.at(2),
+                     2.5)
+        << name;
+}
+
+// The period of the machine file was taken, and the mass was a quarter.
+TEST(LogStamps, ATimeInAnUnknownUnitIsAskedFor) {
+  for (const char* name : {"Time [100ns]", "Zeit [ticks]"}) {
+    const std::string text = std::string(name) + ";x [mm];i [A]\n0;1;2\n20000;2;3\n40000;3;4\n";
+    ReadOptions options;
+    options.machine_period = 1e-3;
+    try {
+      parse(text, options);
+      ADD_FAILURE() << name;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("looks like the time, in a unit that is not known")) << name;
+    }
+    options.sample_time = 2e-3;
+    EXPECT_DOUBLE_EQ(parse(text, options).at("t").values.at(1), 2e-3) << name;
+  }
+}
+
 TEST(LogStamps, AHeadWithADownsamplingDoesNotTellThePeriod) {
   EXPECT_THAT(refusal("Scope\nSample time;125 us\nDownsampling;16\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
               HasSubstr("its head says \"Sample time: 125 us, Downsampling: 16\""));

@@ -168,6 +168,8 @@ void note_times(Log& log);
 
 /// A column of whole numbers that increase and is called index, sample, …; null: there is none.
 const Column* row_counter(const Log& log);
+/// A column whose name says that it is the time, in a unit that is not known ("Time [100ns]"); null: there is none.
+const Column* time_of_unknown_unit(const Log& log);
 
 /// "Time 1, x, Time 2, f": a table in which each signal has a time of its own before it, at rates that differ. The columns get their times;
 /// false for other tables, and where all times are the same.
