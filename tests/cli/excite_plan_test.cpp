@@ -60,6 +60,24 @@ TEST(ExcitePlan, IsProposedForWhatALogLeavesOpen) {
   EXPECT_THAT(text_of(folder / "i.json"), HasSubstr("\"not_yet\": [\n"));
 }
 
+// Open-loop pulses were written for an axis that falls, because the file of another axis knew no load.
+TEST(ExcitePlan, AnAxisFileThatContradictsTheMachineMovesNothing) {
+  const Folder folder;
+  const std::string model =
+      "mass = \"57000 kg\"\nload = \"{} N\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"1000 N\"\nalpha2 = \"0 N s/m\"\n";
+  const auto known = [&](const std::string& axis, const std::string& load) {
+    std::string text = "axis = \"" + axis + "\"\n" + model;
+    text.replace(text.find("{}"), 2, load);
+    const std::string file = folder.write(axis + load + ".toml", text);
+    return command(excite({"--method", "pulses", "--known", file}, folder / "r.csv"));
+  };
+  expect_refused(known("y", "0"), "says that it is of axis y, expected the axis file of x");
+  const Said heavy = known("x", "4000");
+  EXPECT_EQ(heavy.code, 1);
+  EXPECT_THAT(heavy.err, HasSubstr("without force the axis may fall"));
+  EXPECT_EQ(known("x", "100").code, 0);
+}
+
 TEST(ExcitePlan, RefusesWhatItCannotPlan) {
   const Folder folder;
   const std::string out = folder / "logs";

@@ -153,6 +153,26 @@ void refuse_unsaid_weight(const ExcitationOptions& o, const std::string& name, c
       enum_name(o.method), name, axis.rotary ? "unbalance, or load" : "load", units_of(axis.rotary).force));
 }
 
+/// The file of another axis; and in open loop nothing holds a weight that one of the two files does not know.
+void refuse_contradiction(const ExcitationOptions& o, const std::string& name, const AxisDescription& axis,
+                          const sim::AxisFile& file) {
+  if (file.axis && *file.axis != name)
+    refuse_option("--known", fmt::format("{} says that it is of axis {}, expected the axis file of {}",
+                                         o.known, *file.axis, name));
+  const friction::AxisModel& known = file.model;
+  if (!in_open_loop(o)) return;
+  const RoughAxis& rough = axis.commissioning;
+  const double told = std::abs(rough.load_force());
+  const double apart = std::abs(known.load - rough.load_force()) - rough.load_spread();
+  // A load that friction holds either way, or that both files know to a quarter, is no danger.
+  if (apart < std::max(0.25 * told, 0.5 * rough.friction.low())) return;
+  throw ident::Refused(fmt::format(
+      "{}: axis {}: the machine file says a load of {:.4g} {}, {} one of {:.4g} {}: without force the axis may fall. Correct the one "
+      "that is wrong, or choose jog, sine and constant-acceleration, which hold the position",
+      enum_name(o.method), name, rough.load_force(), units_of(axis.rotary).force, o.known, known.load,
+      units_of(axis.rotary).force));
+}
+
 ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const MachineDescription& machine,
                                            std::size_t which) {
   const AxisDescription& axis = machine.axes[which].second;
@@ -174,6 +194,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
                                 o.known, axis.rotary ? "linear" : "rotary", machine.axes[which].first,
                                 axis.rotary ? "rotary" : "linear", machine.axes[which].first));
     const friction::AxisModel& model = file.model;
+    refuse_contradiction(o, machine.axes[which].first, axis, file);
     drive = rough_idea(model, axis.limits);
     doubt = doubt_of_known(model, axis, drive, limits);
   }
