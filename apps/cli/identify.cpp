@@ -137,8 +137,12 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     std::vector<std::string>& warnings = found.result.warnings;
     const std::string wrong = mass_contradiction(machine.axis(one.axis), mass.low, mass.high);
     if (!wrong.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), wrong);
+    const std::string weight = load_contradiction(machine.axis(one.axis), found.result.load);
+    if (!weight.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), weight);
     const std::string too_far = travel_contradiction(machine.axis(one.axis), axis.records);
     if (!too_far.empty()) warnings.insert(warnings.begin(), too_far);
+    const std::string too_fast = speed_contradiction(machine.axis(one.axis), axis.records);
+    if (!too_fast.empty()) warnings.insert(warnings.begin(), too_fast);
     const std::string too_strong = force_contradiction(machine.axis(one.axis), axis.records);
     if (!too_strong.empty()) warnings.insert(warnings.begin(), too_strong);
     if (!o.output.empty()) {

@@ -133,6 +133,21 @@ TEST(Commission, DoesNotPromoteAModelThatFails) {
   EXPECT_EQ(stages.run().code, 0);
 }
 
+// Verified on a log with the same wrong scale, such a model was "good" and "ready".
+TEST(Commission, AScaleThatTheMachineContradictsIsNotPromoted) {
+  const Stages stages;
+  for (const int k : {1, 2}) {
+    std::string text = log_text(1.0 + k, 20.0, static_cast<std::uint32_t>(k));
+    for (const char* column : {"r [mm]", "x [mm]"})
+      text.replace(text.find(column), 6, std::string(column, 2) + "[dm]");
+    stages.log(fmt::format("x-{}.csv", k), text);
+  }
+  const Said said = stages.run();
+  EXPECT_THAT(said.out, AllOf(HasSubstr("Axis x: refused"), HasSubstr("the axis has a travel of"),
+                              HasSubstr("no axis file was written")));
+  EXPECT_FALSE(std::filesystem::exists(stages.folder / "axes/x.toml"));
+}
+
 TEST(Commission, DoesNotReplaceAFileThatIsNotItsOwn) {
   const Stages stages;
   stages.log("x-sine.csv", log_text(3.0, 20.0, 1));

@@ -98,11 +98,30 @@ sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
   return file;
 }
 
+std::string why_unreadable(const std::string& axis_file) {
+  try {
+    static_cast<void>(io::read_toml_text<sim::AxisFile>(axis_file, ""));
+    return {};
+  } catch (const io::InputError& e) {
+    const io::Problem& p = e.problems().front();
+    return p.key.empty() ? p.message : p.key + ": " + p.message;
+  }
+}
+
 std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version) {
-  return io::write_toml(axis_file(found, axis),
-                        fmt::format("{}{}, identified from {} by stribeck {} ({}).",
-                                    axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
-                                    axis.sources, version, ident::name_of(found.result.method)));
+  std::string text =
+      io::write_toml(axis_file(found, axis),
+                     fmt::format("{}{}, identified from {} by stribeck {} ({}).",
+                                 axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
+                                 axis.sources, version, ident::name_of(found.result.method)));
+  if (const std::string why = why_unreadable(text); !why.empty())
+    refuse_option(
+        "--output",
+        fmt::format("the model that was found is not physical, so no axis file was written: {} (look "
+                    "at the residual in the page of --report: rows that are no motion of this axis, or "
+                    "too little motion in one direction)",
+                    why));
+  return text;
 }
 
 }  // namespace stribeck::workflow

@@ -100,6 +100,9 @@ void require_determined(const ident::Result& result, const std::string& source);
 /// The content of an axis file.
 friction::AxisModel as_model(const ident::Result& result);
 
+/// Why no reader takes an axis file; empty: it is sound.
+std::string why_unreadable(const std::string& axis_file);
+
 /// The same; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
 /// With the lost motion, where it is one (lost_motion_of()).

@@ -58,6 +58,7 @@ std::string text_table(const CommissionReportInput& input) {
       out += fmt::format("  verified on {}: {}, force error {} %\n", clean_text(a.held_out), a.verdict,
                          decimals(a.force_error, 1));
     if (!a.axis_file.empty()) out += "  axis file " + clean_text(a.axis_file) + "\n";
+    for (const std::string& line : a.read) out += "  read: " + clean_text(line) + "\n";
     for (const std::string& line : a.warnings) out += "  warning: " + clean_text(line) + "\n";
     for (const std::string& line : a.open) out += "  open: " + clean_text(line) + "\n";
     if (a.stage == Stage::kNoLog && !input.skipped.empty())
@@ -83,6 +84,7 @@ Json to_json(const Axis& a) {
   out["force_error_percent"] = number_or_null(a.force_error);
   out["verdict"] = a.verdict.empty() ? Json(nullptr) : Json(a.verdict);
   out["axis_file"] = a.axis_file.empty() ? Json(nullptr) : Json(a.axis_file);
+  out["read"] = a.read;
   out["warnings"] = a.warnings;
   out["open"] = a.open;
   out["next"] = a.next;
@@ -128,6 +130,7 @@ bool read_axis_state(const Json& json, Axis& out) {
   out.force_error = number(json, "force_error_percent");
   out.verdict = text("verdict");
   out.axis_file = text("axis_file");
+  out.read = texts("read");
   out.warnings = texts("warnings");
   out.open = texts("open");
   out.next = texts("next");

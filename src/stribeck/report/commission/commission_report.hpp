@@ -3,7 +3,7 @@
 ///
 ///   json   {"schema": "stribeck.commission/1", "machine", "ready", "axes": [{"axis", "stage", "logs": [file], "held_out", "unchanged",
 ///           "mass_kg", "mass_ci95_kg": [from, to], "load_N", "velocity_range_mm_per_s": [from, to], "force_error_percent", "verdict",
-///           "axis_file", "warnings": [text], "open": [text], "next": [command]}], "skipped": [text]}
+///           "axis_file", "read": [text], "warnings": [text], "open": [text], "next": [command]}], "skipped": [text]}
 ///
 /// Real time: no. Errors: none.
 
@@ -32,13 +32,14 @@ struct CommissionedAxisReport {
   double load = kNaN;          ///< [N]
   double velocity_low = kNaN;  ///< [m/s]
   double velocity_high = kNaN;
-  double force_error = kNaN;          ///< of the verification [%]
-  std::string verdict;                ///< good, usable, not usable; empty: not verified
-  std::string axis_file;              ///< that was promoted; empty: none
-  std::string axis_file_sha256;       ///< of the bytes that were written
-  std::vector<std::string> open;      ///< what the logs do not tell, or why there is no model
-  std::vector<std::string> warnings;  ///< of the identification
-  std::vector<std::string> next;      ///< commands to type
+  double force_error = kNaN;           ///< of the verification [%]
+  std::string verdict;                 ///< good, usable, not usable; empty: not verified
+  std::string axis_file;               ///< that was promoted; empty: none
+  std::string axis_file_sha256;        ///< of the bytes that were written
+  std::vector<std::string> open;       ///< what the logs do not tell, or why there is no model
+  std::vector<std::string> read = {};  ///< how the columns of the logs were read
+  std::vector<std::string> warnings;   ///< of the identification
+  std::vector<std::string> next;       ///< commands to type
 };
 
 struct CommissionReportInput {

@@ -7,6 +7,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/effort.hpp>
+#include <stribeck/workflow/log/motors.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -270,141 +271,6 @@ std::string gain_of(const LogOptions& options, const Effort& e) {
     default:
       return {};
   }
-}
-
-/// Whether the number at this place counts motors: behind the name of the axis or behind a word for a motor. Elsewhere it may count axes.
-bool counts_motors(const std::string& name, std::size_t at, const std::string& axis) {
-  std::string before = lower_case(name.substr(0, at));
-  before.erase(before.find_last_not_of(" _-") + 1);
-  const auto ends = [&](std::string_view word) { return !word.empty() && before.ends_with(word); };
-  return ends(lower_case(axis)) || ends("motor") || ends("drive") || ends("antrieb");
-}
-
-/// The columns of the other motors of an axis: "Y1 Current", "Y2 Current"; "Motor1 A", "Motor2 A"; empty where one is missing.
-std::vector<const io::Column*> of_other_motors(const io::Log& log, const std::string& axis,
-                                               const io::Column& first, int motors) {
-  const std::string& name = header_of(first);
-  for (auto at = name.find('1'); at != std::string::npos; at = name.find('1', at + 1)) {
-    if (!counts_motors(name, at, axis)) continue;
-    std::vector<const io::Column*> all;
-    for (int k = 2; k <= motors; ++k) {
-      std::string other = name;
-      other.replace(at, 1, std::to_string(k));
-      const io::Column* c = log.find(other);
-      if (c == nullptr || c->unit_text != first.unit_text || c->values.size() != first.values.size()) break;
-      all.push_back(c);
-    }
-    if (all.size() + 1 == static_cast<std::size_t>(motors)) return all;
-  }
-  return {};
-}
-
-/// Correlation of two columns about their means (motors may be preloaded against each other); 0 where one of them is constant.
-double correlation(const io::Column& a, const io::Column& b) {
-  const std::size_t rows = std::min(a.values.size(), b.values.size());
-  const auto each = [&](auto&& act) {
-    for (std::size_t i = 0; i < rows; ++i) {
-      if (std::isfinite(a.values[i]) && std::isfinite(b.values[i])) act(a.values[i], b.values[i]);
-    }
-  };
-  double n = 0.0, mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
-  each([&](double x, double y) { n += 1.0, mean_a += x, mean_b += y; });
-  if (n == 0.0) return 0.0;
-  mean_a /= n, mean_b /= n;
-  each([&](double x, double y) {
-    aa += (x - mean_a) * (x - mean_a), bb += (y - mean_b) * (y - mean_b), ab += (x - mean_a) * (y - mean_b);
-  });
-  constexpr double kConstant = 1e-9;  // of the mean
-  if (!(aa > n * std::pow(kConstant * mean_a, 2)) || !(bb > n * std::pow(kConstant * mean_b, 2))) return 0.0;
-  return ab / std::sqrt(aa * bb);
-}
-
-constexpr double kMirrored = -0.8;
-
-/// Sorts out the motors that turn the other way round for the same direction of the axis, and says what becomes of all.
-void take_mirrored_apart(NamedColumn& from, int motors, std::vector<std::string>& notes) {
-  std::string text =
-      fmt::format("the axis has {} motors; {} and the same columns of the other motors are added", motors,
-                  io::in_quotes(header_of(*from.column)));
-  for (const io::Column* other : from.beside) {
-    const double r = correlation(*from.column, *other);
-    if (r > kMirrored) continue;
-    from.against.push_back(other);
-    text += fmt::format(
-        ", but {} is subtracted: it runs against the first one (correlation {:.2f}), as the force of a motor that is "
-        "mounted the other way round does",
-        io::in_quotes(header_of(*other)), r);
-  }
-  for (const io::Column* other : from.against) std::erase(from.beside, other);
-  notes.push_back(std::move(text));
-}
-
-/// A sum given with --map is used unchanged.
-void note_mirrored(const NamedColumn& from, std::vector<std::string>& notes) {
-  for (const io::Column* other : from.beside) {
-    const double r = correlation(*from.column, *other);
-    if (r > kMirrored) continue;
-    notes.push_back(fmt::format(
-        "{} runs against {} (correlation {:.2f}), and their sum leaves little of either: of a motor that is mounted the other way round "
-        "the force counts with the other sign (leave --map out: with motors in the machine file it is subtracted)",
-        io::in_quotes(header_of(*other)), io::in_quotes(header_of(*from.column)), r));
-  }
-}
-
-/// The scale of a machine file is that of all motors together. Columns of each are averaged; one column stands for all.
-void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vector<std::string>& notes) {
-  if (motors < 2) return;
-  const std::string first = io::in_quotes(header_of(*e.from.column));
-  if (e.from.beside.empty()) {
-    const std::vector<const io::Column*> others =
-        of_other_motors(columns.log(), columns.axis(), *e.from.column, motors);
-    if (columns.mapped(e.what)) {
-      if (others.empty()) return;
-      std::string sum = header_of(*e.from.column);
-      for (const io::Column* other : others) sum += " + " + header_of(*other);
-      notes.push_back(fmt::format(
-          "the axis has {} motors, and {} stands for all of them; for their sum give --map {}=\"{}\"", motors,
-          first, enum_name(e.what), sum));
-      return;
-    }
-    e.from.beside = others;
-    if (others.empty()) {
-      notes.push_back(
-          fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first));
-    } else {
-      take_mirrored_apart(e.from, motors, notes);
-    }
-  } else {
-    note_mirrored(e.from, notes);
-  }
-  if (e.from.beside.size() + e.from.against.size() + 1 == static_cast<std::size_t>(motors)) {
-    e.factor /= motors;
-  } else if (!e.from.beside.empty()) {
-    refuse_option("--map", fmt::format("got a sum of {} columns, the axis has {} motors in the machine file",
-                                       e.from.beside.size() + 1, motors));
-  }
-}
-
-/// A gain of the command line is one of a single column: what the other motor of a gantry does is left out.
-void note_second_motor(const Effort& e, const AxisColumns& columns, int motors,
-                       std::vector<std::string>& notes) {
-  if (!e.from.beside.empty() || columns.mapped(e.what)) return;
-  auto others = of_other_motors(columns.log(), columns.axis(), *e.from.column, 2);
-  // "Y1" and "Y2" may be two axes, or the two sides of a gantry.
-  if (std::string axis = columns.axis(); others.empty() && axis.size() > 1 && axis.back() == '1') {
-    axis.pop_back();
-    others = of_other_motors(columns.log(), axis, *e.from.column, 2);
-  }
-  if (others.empty()) return;
-  const std::string& one = header_of(*e.from.column);
-  const std::string& other = header_of(*others.front());
-  notes.push_back(fmt::format(
-      "{} is the column of one motor, and {} of another one is not used: where both drive the axis, {}, or their sum with the gain of "
-      "one motor, --map {}=\"{} + {}\"",
-      io::in_quotes(one), io::in_quotes(other),
-      motors > 1 ? "leave --gain out, so that the scale of the machine file and both columns are taken"
-                 : "give a machine file with motors = 2",
-      enum_name(e.what), one, other));
 }
 
 /// Whether the drive of the machine file gives the scale; it is then applied.

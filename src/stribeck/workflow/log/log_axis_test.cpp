@@ -531,6 +531,20 @@ TEST(LogAxis, AnotherAxisIsNoSecondMotor) {
   EXPECT_THAT(axis.notes, Contains(HasSubstr("each is taken to give as much")));
 }
 
+// The sum was doubled: mass and friction came out twice as large, and a held-out log agreed.
+TEST(LogAxis, AColumnThatIsNamedASumIsThatOfAllMotors) {
+  for (const char* name : {"Y Drehmoment Summe [A]", "Y_TotalCurrent [A]", "Y Gesamtstrom [A]"}) {
+    std::string text = fmt::format("t [s],y [mm],{}\n", name);
+    for (int k = 0; k < 10; ++k) text += fmt::format("{},{},3\n", 0.001 * k, k);
+    workflow::LogOptions options{.axis = "y"};
+    options.drive.per_ampere = "20 N/A";
+    options.drive.motors = 2;
+    const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), options);
+    EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(0), 30.0) << name;
+    EXPECT_THAT(axis.notes, Contains(HasSubstr("is taken for the sum of what they give"))) << name;
+  }
+}
+
 TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
   const std::string told = refusal("time,y_cmd,y_act,y_force\n0,1,1,5\n0.001,2,2,6\n0.002,3,3,7\n");
   EXPECT_THAT(

@@ -200,7 +200,8 @@ void require_force_limit(const MachineDescription& machine, const std::string& f
 
 std::string travel_contradiction(const AxisDescription& axis,
                                  const std::vector<ident::log::Record>& records) {
-  if (axis.rotary) return {};  // turns are counted on
+  const double from = axis.limits.travel_min, to = axis.limits.travel_max;
+  if (axis.rotary && to - from > kPi) return {};  // turns may be counted on
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const ident::log::Record& record : records) {
@@ -209,12 +210,41 @@ std::string travel_contradiction(const AxisDescription& axis,
     low = std::min(low, *least);
     high = std::max(high, *most);
   }
-  const double from = axis.limits.travel_min, to = axis.limits.travel_max;
   if (!(high - low > kRoundedTravel * (to - from)) || !(to > from)) return {};
+  const double scale = axis.rotary ? 180.0 / kPi : 1e3;
+  const char* const unit = axis.rotary ? "deg" : "mm";
   return fmt::format(
-      "the log moves over {:.4g} mm, from {:.4g} to {:.4g} mm, and the axis has a travel of {:.4g} mm in the machine file: the "
-      "positions are in another unit, of the motor, or in diameter (of a lathe; then give --map x=\"… 0.5 mm\"), or the file is wrong",
-      1e3 * (high - low), 1e3 * low, 1e3 * high, 1e3 * (to - from));
+      "the log moves over {:.4g} {}, from {:.4g} to {:.4g} {}, and the axis has a travel of {:.4g} {} in the machine file: the "
+      "positions are in another unit, of the motor{}, or the file is wrong",
+      scale * (high - low), unit, scale * low, scale * high, unit, scale * (to - from), unit,
+      axis.rotary ? " (behind a gear)" : ", or in diameter (of a lathe; then give --map x=\"… 0.5 mm\")");
+}
+
+std::string speed_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records) {
+  constexpr double kSpan = 0.02;   // [s], so that steps of an encoder are no speed
+  constexpr double kBeyond = 1.2;  // overshoot and rounded limits lie below
+  constexpr int kOften = 3;
+  const double limit = axis.limits.speed;
+  double most = 0.0;
+  int beyond = 0;
+  for (const ident::log::Record& record : records) {
+    if (record.position_unit != "m" || record.x.size() != record.t.size()) return {};
+    const auto n = static_cast<std::size_t>(std::max(1.0, std::round(kSpan / record.sample_time)));
+    for (std::size_t i = n; i < record.x.size(); i += n) {
+      const double v = std::abs(record.x[i] - record.x[i - n]) / (record.t[i] - record.t[i - n]);
+      // Where positions are set anew they jump.
+      if (!(v > kBeyond * limit) || v > 20.0 * limit) continue;
+      most = std::max(most, v);
+      ++beyond;
+    }
+  }
+  if (!(limit > 0.0) || beyond < kOften) return {};
+  const double scale = axis.rotary ? 180.0 / kPi : 1e3;
+  const char* const unit = axis.rotary ? "deg/s" : "mm/s";
+  return fmt::format(
+      "the log moves at up to {:.4g} {}, and the machine file allows {:.4g} {}: the time between the rows is another (say it with "
+      "--sample-time), the positions are in another unit or of the motor, or the file is wrong",
+      scale * most, unit, scale * limit, unit);
 }
 
 std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records) {
@@ -255,11 +285,36 @@ std::string mass_contradiction(const AxisDescription& axis, double low, double h
   if (rough.empty()) return {};
   if (low <= rough.high() && high >= rough.low()) return {};
   const std::string_view unit = units_of(axis.rotary).mass;
+  // Mass is often given without the motor, which a screw multiplies.
+  std::string rotor_left_out;
+  const std::optional<double> radius = axis.drive ? axis.drive->radius() : std::nullopt;
+  if (low > rough.high() && radius && !rotor) {
+    const double excess = 0.5 * (low + high) - rough.middle();
+    rotor_left_out = fmt::format(
+        "commissioning.mass is that without the rotor of the motor, which would have {:.2g} kg m2 (write drive.rotor_inertia, and the mass with "
+        "it), ",
+        excess * *radius * *radius / axis.drive->motors);
+  }
   return fmt::format(
-      "the mass, {:.4g} to {:.4g} {}, contradicts the machine file, which allows {:.4g} to {:.4g} {}: a scale of the log is wrong (positions in counts of another "
+      "the mass, {:.4g} to {:.4g} {}, contradicts the machine file, which allows {:.4g} to {:.4g} {}: {}a scale of the log is wrong (positions in counts of another "
       "length, the force in another unit, one motor of two, a second motor whose force has the other sign), a drive rings, or the file "
       "is wrong",
-      low, high, unit, rough.low(), rough.high(), unit);
+      low, high, unit, rough.low(), rough.high(), unit, rotor_left_out);
+}
+
+std::string load_contradiction(const AxisDescription& axis, double load) {
+  const RoughAxis& rough = axis.commissioning;
+  if (rough.friction.empty() || rough.unbalance || !std::isfinite(load)) return {};
+  const double told = rough.load_force();
+  const double apart = std::abs(load - told) - rough.load_spread();
+  // Friction that differs between the directions looks like a small load.
+  if (apart < std::max(0.25 * std::abs(told), rough.friction.high())) return {};
+  const std::string_view unit = units_of(axis.rotary).force;
+  return fmt::format(
+      "the log shows a load of {:.4g} {}, and the machine file says {}: without force the axis may fall. Write commissioning.load = \"{:.4g} {}\" "
+      "(positive: it pulls towards the lower end of the travel), or the sign of the force in the log is wrong",
+      load, unit, rough.load.empty() ? std::string("none") : fmt::format("one of {:.4g} {}", told, unit),
+      load, unit);
 }
 
 }  // namespace stribeck::workflow

@@ -63,11 +63,17 @@ std::string machine_text(const sim::Machine& machine, const std::string& comment
 /// A sentence where an identified mass (95 % from low to high) is not one that the file allows; empty: it is, or low is not finite.
 std::string mass_contradiction(const AxisDescription& axis, double low, double high);
 
+/// A sentence where an identified load is not that of the file; empty: it is, or friction explains the difference.
+std::string load_contradiction(const AxisDescription& axis, double load);
+
 /// A sentence where logs hold a larger force than the drive makes; empty: they do not, or it is not known.
 std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
 
 /// A sentence where logs move farther than the axis can; empty: they do not, or it is not known.
 std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
+
+/// A sentence where logs move faster than the axis may; empty: they do not, or it is not known.
+std::string speed_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
 
 /// A line of the explanation: what, value, why or what follows.
 struct Explained {

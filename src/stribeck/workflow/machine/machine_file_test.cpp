@@ -405,7 +405,51 @@ TEST(MachineFile, ALogThatMovesFartherThanTheAxisContradictsIt) {
   EXPECT_EQ(travel_contradiction(a, {}), "");
   log.x = {0.0, 9.0};
   a.rotary = true;
+  a.limits.travel_min = -4.0;
+  a.limits.travel_max = 4.0;
   EXPECT_EQ(travel_contradiction(a, {log}), "") << "turns are counted on";
+  a.limits.travel_min = -1.0;
+  a.limits.travel_max = 1.0;
+  EXPECT_THAT(travel_contradiction(a, {log}), HasSubstr("moves over 515.7 deg")) << "behind a gear";
+}
+
+TEST(MachineFile, ALogThatMovesFasterThanTheAxisContradictsIt) {
+  AxisDescription a;
+  a.limits.speed = 0.6;
+  ident::log::Record log;
+  log.sample_time = 1e-3;
+  for (int k = 0; k < 200; ++k) {
+    log.t.push_back(1e-3 * k);
+    log.x.push_back(1e-3 * k);  // 1 m/s
+  }
+  EXPECT_THAT(speed_contradiction(a, {log}),
+              HasSubstr("moves at up to 1000 mm/s, and the machine file allows 600"));
+  a.limits.speed = 0.9;
+  EXPECT_EQ(speed_contradiction(a, {log}), "");
+  // A jump of the zero is no speed.
+  a.limits.speed = 1.5;
+  for (int k = 100; k < 200; ++k) log.x[static_cast<std::size_t>(k)] += 2.0;
+  EXPECT_EQ(speed_contradiction(a, {log}), "");
+}
+
+TEST(MachineFile, ALoadThatTheFileDoesNotKnowIsSaid) {
+  AxisDescription a;
+  a.commissioning.friction = Rough(300.0, 520.0);
+  EXPECT_THAT(load_contradiction(a, 1526.0), HasSubstr("the machine file says none"));
+  EXPECT_EQ(load_contradiction(a, 200.0), "") << "friction that differs by direction";
+  a.commissioning.load = Rough(-1526.0);
+  EXPECT_THAT(load_contradiction(a, 1526.0), HasSubstr("says one of -1526 N"));
+  EXPECT_EQ(load_contradiction(a, -1500.0), "");
+}
+
+TEST(MachineFile, AMassAboveThatOfTheFileMayBeTheRotor) {
+  AxisDescription a;
+  a.commissioning.mass = Rough(4.0, 6.0);
+  a.drive.emplace();
+  a.drive->lead = 5e-3;
+  EXPECT_THAT(mass_contradiction(a, 80.9, 81.3),
+              HasSubstr("the rotor of the motor, which would have 4.8e-05 kg m2"));
+  EXPECT_THAT(mass_contradiction(a, 1.0, 1.1), testing::Not(HasSubstr("rotor")));
 }
 
 std::string trunnion(const std::string& known, const std::string& brake = "false") {

@@ -115,6 +115,17 @@ class AxisStages {
     return axis_;
   }
 
+  /// One axis that cannot be judged does not end the others.
+  const Axis& refused(const std::string& why) {
+    axis_.stage = CommissionStage::kRefused;
+    axis_.axis_file.clear();
+    axis_.open.push_back(fmt::format("the model cannot be used, and no axis file was written: {}", why));
+    axis_.next = {fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
+                              report::shell_quoted(options_.machine), report::shell_quoted(logs_.logs),
+                              axis_.axis, axis_.axis)};
+    return axis_;
+  }
+
  private:
   static bool is_named_verify(const std::string& log) {
     return name_in(log).find(kVerify) != std::string::npos;
@@ -210,12 +221,14 @@ class AxisStages {
     axis_.velocity_low = r.velocity_range[0];
     axis_.velocity_high = r.velocity_range[1];
     axis_.open.insert(axis_.open.end(), r.cannot_tell.begin(), r.cannot_tell.end());
-    // Before them stands how the columns were read.
+    axis_.read = c.records.notes;
     const std::size_t read = std::min(c.records.notes.size(), r.warnings.size());
     axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
     for (const std::string& wrong :
          {mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high),
+          r.force_unit == "N" ? load_contradiction(description_, r.load) : std::string(),
           travel_contradiction(description_, c.records.records),
+          speed_contradiction(description_, c.records.records),
           force_contradiction(description_, c.records.records)}) {
       if (!wrong.empty()) axis_.warnings.push_back(wrong);
     }
@@ -277,6 +290,13 @@ class AxisStages {
     what.logs = {axis_.held_out};
     what.limits = options_.limits;
     what.models = {{path, file}};
+    // With such a scale every number of the file would be wrong.
+    for (const std::string& why :
+         {travel_contradiction(description_, chosen.records.records), why_unreadable(text)}) {
+      if (why.empty()) continue;
+      refused(why);
+      return;
+    }
     const report::VerifyReportInput judged = verify(what);
     const report::Verdict verdict = report::verdicts(judged).front();
     axis_.force_error = 100.0 * verdict.error;
@@ -321,6 +341,14 @@ class AxisStages {
   std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
   Axis axis_;
 };
+
+Axis staged(AxisStages stages) {
+  try {
+    return stages.run();
+  } catch (const ident::Refused& e) {
+    return stages.refused(e.what());
+  }
+}
 
 /// The logs of an axis that are no copies; a model that is verified on a copy is verified on itself.
 class Recordings {
@@ -390,8 +418,8 @@ std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescript
 
 /// What the result of an axis depends on.
 std::string key_of(const StageOptions& o, const LogsOfAxis& logs) {
-  std::string all = fmt::format("{}\n{}\n{}\n{}\n{:g} {:g}\n", o.version, io::sha256_of_file(o.machine),
-                                o.machine, o.output, o.limits.good, o.limits.usable);
+  std::string all = fmt::format("{}\n{}\n{}\n{}\n{}\n{:g} {:g}\n", o.version, io::sha256_of_file(o.machine),
+                                o.machine, o.folder, o.output, o.limits.good, o.limits.usable);
   const LogOptions& l = logs.options;
   for (const auto* list : {&l.maps, &l.where, &l.runs, &l.keep}) all += report::joined(*list, "\n") + "\n\n";
   all += fmt::format("{}\n{}\n{}\n{}\n", l.axis, l.gain, l.lead, l.sample_time);
@@ -458,7 +486,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
     std::string own;
     if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
       own = at->value("axis_file_sha256", "");
-    const Axis axis = AxisStages(o, description.axis(logs.axis), logs, own).run();
+    const Axis axis = staged(AxisStages(o, description.axis(logs.axis), logs, own));
     Json entry{{"key", key}, {"result", report::to_json(axis)}};
     entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
     state[logs.axis] = std::move(entry);
