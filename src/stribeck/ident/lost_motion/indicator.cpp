@@ -163,9 +163,15 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
   };
   const Estimate compliance = widened(0, 1.0);
   const Estimate backlash = widened(1, 1e-6);
-  if (!(compliance.half_width < kMostError * compliance.value)) return false;
-  out.stiffness = stiffness_of(compliance);
-  out.table_friction = friction;
+  if (compliance.half_width < kMostError * compliance.value) {
+    out.stiffness = stiffness_of(compliance);
+    out.table_friction = friction;
+  } else {
+    // Too stiff for these loads and this indicator. The line of all readings has just been rejected: it must not answer in place.
+    out.words.push_back(fmt::format(
+        "the wind-up is too small to be measured with these loads: the stiffness is at least {} N/um (larger loads tell it)",
+        digits(1.0 / std::max(compliance.high(), 1e-12), 2)));
+  }
   if (backlash.low() > 0.0) {
     out.backlash = backlash;
   } else {
@@ -192,6 +198,10 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
 int orientation(const std::vector<Reading>& series) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   const auto n = static_cast<double>(series.size());
+  // The rounding of their mean is no travel.
+  if (std::all_of(series.begin(), series.end(),
+                  [&](const Reading& r) { return r.position == series.front().position; }))
+    return 0;
   for (const Reading& r : series) {
     x += r.position / n;
     y += r.value / n;

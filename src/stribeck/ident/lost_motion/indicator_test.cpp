@@ -68,6 +68,18 @@ TEST(Indicator, LoadsAboveFrictionTellBoth) {
   EXPECT_TRUE(found.words.empty());
 }
 
+// The line without a load above friction, just rejected, answered in place: 5 um of lost motion and 9 N/um.
+TEST(Indicator, AStiffDriveLeavesTheBacklash) {
+  for (const double stiffness : {80e6, 150e6}) {
+    const Truth t{12e-6, stiffness, 30.0, 0.4e-6, 1e-6};
+    const LostMotion found = identify(series_of(t, {0.1}, {0.0, 60.0, -60.0}, 5, 7));
+    EXPECT_TRUE(holds(found.backlash, t.backlash)) << stiffness;
+    EXPECT_TRUE(holds(found.total, t.total())) << stiffness;
+    EXPECT_TRUE(found.stiffness || testing::Value(found.words.at(0), HasSubstr("the stiffness is at least")))
+        << stiffness;
+  }
+}
+
 TEST(Indicator, LoadsBelowFrictionTellTheStiffnessAndTheSum) {
   const Truth t;
   const LostMotion found = identify(series_of(t, {0.0}, {0.0, 180.0, -180.0}, 6, 3));
