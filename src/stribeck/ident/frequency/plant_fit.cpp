@@ -20,6 +20,7 @@ constexpr double kFarBetter = 0.9;       ///< of the error on held-out lines
 constexpr double kFarAway = 0.5;         ///< the same, for a resonance of which only the beginning is seen
 constexpr double kMore = 3.0;            ///< times the noise: there is more in the lines than one mass
 constexpr double kKnownResonance = 0.1;  ///< relative half width
+constexpr double kRoughResonance = 0.5;  ///< the same, above the lines, where the antiresonance is known
 constexpr double kKnownLag = 1.0 / 3.0;  ///< relative half width
 constexpr double kLeastDelay =
     -0.1;  ///< beside a lag [periods]: a log of the force that the drive makes has neither hold nor lag
@@ -350,6 +351,14 @@ std::string choice_in_words(const Candidate& best, const Candidate& rigid, const
                      digits(best.held_out), digits(rigid.held_out));
 }
 
+/// Whether the lines show where the resonance is, or with a motor that feels both masses where the antiresonance below it is.
+bool determined(const Candidate& c, const Data& data) {
+  const auto shown = [&](std::size_t i) {
+    return c.half[i] <= kKnownResonance && std::exp(c.fitted.p[i]) <= data.omega.back();
+  };
+  return shown(3) || (c.structure == Structure::kTwoMassDrive && shown(5) && c.half[3] <= kRoughResonance);
+}
+
 PlantFit result_of(const Candidate& c, const Data& data) {
   const double slowest = data.omega.front();
   PlantFit out;
@@ -409,14 +418,18 @@ PlantFit fit_plant(const Response& response) {
   if (lag.held_out < kFarBetter * best->held_out && lag.excess < kMore && lag.half[3] < kKnownLag &&
       lag.fitted.p[2] > kLeastDelay)
     best = &lag;
+  double put_aside = std::numeric_limits<double>::infinity();
   for (const Candidate& c : all) {
     if (!elastic(c.structure) || !(c.held_out < kFarBetter * best->held_out)) continue;
-    if (c.half[3] > kKnownResonance || std::exp(c.fitted.p[3]) > data.omega.back()) {
+    if (!determined(c, data)) {
       beyond = beyond || c.held_out < kFarAway * all.front().held_out;
+      put_aside = std::min(put_aside, c.held_out);
       continue;
     }
     best = &c;
   }
+  // What fits much worse than one that was put aside has the wrong structure.
+  if (elastic(best->structure) && put_aside < kFarAway * best->held_out) best = &all.front();
   PlantFit out = result_of(*best, data);
   if (!(out.mass.half_width < 0.5 * out.mass.value)) {
     throw Refused(fmt::format(
