@@ -131,6 +131,7 @@ int serve(const ServeCommand& o) {
   // An identification cannot be interrupted; nobody waits for it any more.
   constexpr std::chrono::milliseconds kPatience{500};
   if (!site.stop(kPatience)) {
+    site.save_recording();
     std::error_code ignored;
     std::filesystem::remove_all(site.session_folder(), ignored);
     std::_Exit(0);

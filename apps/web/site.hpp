@@ -44,6 +44,8 @@ class Site {
 
   /// Ends the threads. False: one did not end in time.
   bool stop(std::chrono::milliseconds patience);
+  /// A recording of the view Live that runs is saved; the destructor does it as well.
+  void save_recording() { live_.save_what_runs(); }
   [[nodiscard]] const std::filesystem::path& session_folder() const { return answers_.uploads().folder(); }
 
  private:

@@ -35,10 +35,13 @@ LiveView::LiveView(WhatIf& what_if, LiveOptions options) : what_if_(what_if), op
   running_ = std::move(one);
 }
 
-LiveView::~LiveView() {
-  if (!running_ || !running_->stream->state().recording) return;
+LiveView::~LiveView() { save_what_runs(); }
+
+void LiveView::save_what_runs() {
+  const auto one = running();
+  if (!one || !one->stream->state().recording) return;
   try {
-    running_->stream->save();
+    one->stream->save();
   } catch (const std::exception&) {
     // There is nobody left to tell; the hidden file is removed.
   }
@@ -74,25 +77,30 @@ Json LiveView::start(const LiveRequest& r, const WhatIf::IsOld& is_old) {
   auto one = std::make_shared<Running>();
   one->stream = std::make_shared<workflow::LiveStream>(workflow::layout_of(*run, "virtual machine: " + words),
                                                        options_.sinks);
-  std::shared_ptr<Running> before;
+  // Taken away under the lock, by start() or by stop(); its thread ends behind it.
+  std::unique_ptr<workflow::SimulatedStream> before;
   {
-    // stop() resets the machine under this lock.
     const std::lock_guard lock(mutex_);
     if (running_ && running_->stream->state().recording)
       refuse_live("machine", "a recording runs (save or discard it first)");
     one->id = next_++;
     one->simulated = std::make_unique<workflow::SimulatedStream>(std::move(run), one->stream, r.times);
-    before = std::exchange(running_, one);
+    if (running_) before = std::move(running_->simulated);
+    running_ = one;
   }
-  if (before) before->simulated.reset();
+  before.reset();
   return state();
 }
 
 Json LiveView::stop() {
   const auto one = some_running();
   if (one->sampler) refuse_live("live", "the stream of a machine is not stopped here");
-  const std::lock_guard lock(mutex_);
-  one->simulated.reset();
+  std::unique_ptr<workflow::SimulatedStream> simulated;
+  {
+    const std::lock_guard lock(mutex_);
+    simulated = std::move(one->simulated);
+  }
+  simulated.reset();
   one->stream->end("stopped");
   return state_json(*one->stream);
 }

@@ -75,6 +75,8 @@ class LiveView {
   LiveView(WhatIf& what_if, LiveOptions options);
   /// Saves a recording that runs.
   ~LiveView();
+  /// For a program that ends without destructors.
+  void save_what_runs();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 

@@ -152,19 +152,22 @@ byId('controls').addEventListener('submit', async (event) => {
   event.preventDefault();
   if (logs.length === 0) return;
   clear();
-  ++asked;
+  const number = ++asked;
   byId('identify').disabled = true;
   say('Identifying \u2026');
   try {
     const answer = await post('/api/identify', {...requestOf(), method: byId('method').value, model: byId('model').value});
-    if (answer) {
+    // Logs or settings may be others by now.
+    if (answer && number === asked) {
       result = answer;
       drawResult();
     }
   } catch (e) {
-    byId('result').hidden = true;
-    fail(e.message);
-    say('These logs do not give an answer.');
+    if (number === asked) {
+      byId('result').hidden = true;
+      fail(e.message);
+      say('These logs do not give an answer.');
+    }
   }
   byId('identify').disabled = false;
 });

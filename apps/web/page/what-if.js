@@ -218,7 +218,9 @@ function take(result, request) {
   answer = result;
   byId('problem').hidden = true;
   byId('drawings').classList.remove('old');
-  const plain = !request.changes && form.control.size === 0;
+  // By what was asked: the sliders may have moved on.
+  const plain = !request.changes && !request.identify_changed &&
+      !['sample_time', 'omega_t', 'omega_n', 'observer_pole'].some((key) => key in request);
   if (plain) asFile = {base: baseOf(request), rows: new Map(result.result.rows.map((r) => [r.controller, r]))};
   else if (asFile && asFile.base !== baseOf(request)) asFile = null;
   const axes = result.axes.map((a) => [a, 'axis ' + a]);

@@ -94,7 +94,14 @@ bool LiveRecording::row(double t, std::span<const double> values) {
 
 fs::path LiveRecording::end() {
   errno = 0;
-  if (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0) fail_at(folder_, errno);
+  if (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0) {
+    const std::string why = std::generic_category().message(errno);
+    const fs::path kept = std::exchange(hidden_, {});
+    throw io::InputError({kept.string(),
+                          0,
+                          {},
+                          "cannot be completed: " + why + " (what was written stays in this hidden file)"});
+  }
   const fs::path file = take_name(folder_);
   if (::rename(hidden_.c_str(), file.c_str()) != 0) {
     const int error = errno;

@@ -160,7 +160,7 @@ void LiveStream::record(const std::filesystem::path& folder, std::uint64_t most_
 }
 
 std::filesystem::path LiveStream::save() {
-  const std::lock_guard recording_lock(record_mutex_);
+  std::unique_lock recording_lock(record_mutex_);
   if (!recording_) throw io::InputError({"request", 0, "record", "nothing is recorded (press Record first)"});
   if (recording_->rows() == 0)
     throw io::InputError({"request", 0, "record", "no row has come since Record (wait for one, or discard)"});
@@ -169,6 +169,8 @@ std::filesystem::path LiveStream::save() {
     const std::lock_guard lock(mutex_);
     state_.recording = false;
   }
+  // The disk may take its time; rows do not wait for it.
+  recording_lock.unlock();
   return done->end();
 }
 

@@ -134,6 +134,9 @@ SamplerLayout sampler_layout(const SamplerOptions& o) {
   }
   std::vector<Pair> pairs;
   for (const std::string& text : o.axes) pairs.push_back(read_pair(text, out.live.channels));
+  if (pairs.size() > ContourTracker::kMostAxes)
+    refuse_option("--live-axis",
+                  fmt::format("got {} axes, expected at most {}", pairs.size(), ContourTracker::kMostAxes));
   if (pairs.empty()) pairs = found_pairs(out.live.channels);
   if (pairs.size() > ContourTracker::kMostAxes) pairs.resize(ContourTracker::kMostAxes);
   for (const Pair& p : pairs) {

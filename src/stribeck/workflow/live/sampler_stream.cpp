@@ -111,12 +111,14 @@ bool SamplerLines::parse(std::string_view text) {
         known_ && tagged_ ? n + 1 : n, known_ ? " as before" : " as named (or one more, the sample number)");
     return false;
   }
-  known_ = true;
-  tagged_ = cells_.size() == n + 1;
-  if (tagged_ && cells_.front() != std::round(cells_.front())) {
+  const bool tagged = cells_.size() == n + 1;
+  if (tagged && cells_.front() != std::round(cells_.front())) {
     why_ = fmt::format("got {}, expected a sample number first", quoted());
     return false;
   }
+  // Only a row that is taken says how all rows are.
+  known_ = true;
+  tagged_ = tagged;
   return true;
 }
 
@@ -135,6 +137,7 @@ bool SamplerLines::advance(bool tagged) {
       constexpr double kLargestJump = 1e7;
       if (step > kLargestJump) {
         stream_->refused(fmt::format("the sample number jumps by {:.0f}", step));
+        tag_known_ = false;  // the rows behind it count on from there
         return false;
       }
       if (step > 1.0) {

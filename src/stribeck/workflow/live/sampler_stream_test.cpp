@@ -78,6 +78,10 @@ TEST(SamplerLayout, SaysWhatIsMissing) {
   o.columns = {"a", "b mm"};
   o.axes = {"x=a,b"};
   EXPECT_THAT(refusal(o), HasSubstr("has no unit"));
+  o.columns = {"a mm", "b mm"};
+  o.axes = {"x=a,b", "y=a,b", "z=a,b", "u=a,b"};
+  EXPECT_THAT(refusal(o), HasSubstr("got 4 axes, expected at most 3"));
+  o.axes = {};
   o.columns = {"a mm", "a mm"};
   EXPECT_THAT(refusal(o), HasSubstr("twice"));
 }
@@ -123,6 +127,22 @@ TEST(SamplerLines, TheSampleNumberTellsLossesAndRestarts) {
   EXPECT_EQ(lines("overrun\n1 1 2\n").overruns, 1U);
   EXPECT_EQ(lines("2.5 1 2\n").refused, 1U);
   EXPECT_EQ(lines("99999999999 1 2\n").refused, 2U);
+}
+
+// One wild sample number refused every later row.
+TEST(SamplerLines, AWildSampleNumberCostsItsRowAlone) {
+  Lines lines(layout({"a mm", "b N"}));
+  EXPECT_EQ(lines("1 1 2\n2 1 2\n").rows, 2U);
+  const LiveState s = lines("900000000 1 2\n900000001 1 2\n900000002 1 2\n");
+  EXPECT_EQ(s.refused, 1U);
+  EXPECT_EQ(s.rows, 4U);
+}
+
+// A first line that was cut, and refused, said how many values every line has.
+TEST(SamplerLines, ALineThatIsRefusedIsNoForm) {
+  Lines lines(layout({"a mm", "b N"}));
+  EXPECT_EQ(lines("0.5 1 2\n").refused, 1U);
+  EXPECT_EQ(lines("1 2\n3 4\n").rows, 2U);
 }
 
 TEST(SamplerLines, AnotherNumberOfColumnsIsNotGuessed) {
