@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/steady_rows.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <string>
@@ -22,11 +23,11 @@ constexpr double kMostOfStribeckSpeed =
     0.5;  ///< share of the Stribeck speed: rows this slow show four fifths of the rise
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kFastStribeckSpeed = 0.05;   ///< [m/s]
-constexpr double kSlowOfTop =
-    0.01;  ///< [share of the top speed] used for angles in place of kUsualStribeckSpeed
+constexpr double kNoStribeckSpeed = 0.3;      ///< [m/s] and above: the bend of a viscous part that is no line
+constexpr double kSlowOfTop = 0.01;  ///< of the top speed: for angles in place of kUsualStribeckSpeed
 constexpr double kWorthSlow = 0.02;  ///< of the top speed: a curve that begins below it needs no word
 constexpr double kMostUnseen =
-    0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
+    0.1;  ///< share of a parameter in directions without data that leaves it identifiable
 
 class Description {
  public:
@@ -79,8 +80,8 @@ class Description {
 
   void write_head();
   void write_summary(int s);
-  bool slow_enough(int s, const std::optional<Figure>& stribeck_speed);
-  [[nodiscard]] bool is_stribeck(const Summary& summary) const;
+  bool slow_enough(int s, const std::optional<double>& stribeck_speed);
+  [[nodiscard]] std::optional<double> stribeck_speed_of(const Summary& summary, int s) const;
   void write_speeds(int s);
   /// Standard error of a figure of one direction.
   [[nodiscard]] double error_of(const Figure& figure, int s) const;
@@ -152,13 +153,18 @@ double Description::error_of(const Figure& figure, int s) const {
   return found_.intervals.error_of(h);
 }
 
-/// Whether the rise towards standstill is that of mixed lubrication, or a wide bend of the map that may stand beside one: at speeds far above
-/// those of guides and screws it must be a good part of friction.
-bool Description::is_stribeck(const Summary& summary) const {
-  constexpr double kGoodPart = 0.1;  // of the Coulomb force
-  return result_.position_unit != "m" || !summary.stribeck_speed ||
-         summary.stribeck_speed->value <= kFastStribeckSpeed ||
-         summary.rise.value > kGoodPart * std::abs(summary.coulomb.value);
+/// The speed of a clear rise towards standstill that is that of mixed lubrication, and not a wide bend of the map that may stand beside one:
+/// at speeds far above those of guides and screws it must be a good part of friction.
+std::optional<double> Description::stribeck_speed_of(const Summary& summary, int s) const {
+  constexpr double kGoodPart = 0.1;
+  const double rise = summary.rise.value, coulomb = std::abs(summary.coulomb.value);
+  if (!summary.stribeck_speed || !(rise > kClearRise * coulomb) ||
+      !(rise > found_.intervals.factor * error_of(summary.rise, s)))
+    return {};
+  const double speed = summary.stribeck_speed->value;
+  const bool usual = result_.position_unit != "m" || speed <= kFastStribeckSpeed ||
+                     (rise > kGoodPart * coulomb && speed < kNoStribeckSpeed);
+  return usual ? std::optional<double>(speed) : std::nullopt;
 }
 
 void Description::write_summary(int s) {
@@ -170,9 +176,11 @@ void Description::write_summary(int s) {
       summary.line_seen);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
                      summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
-  const bool clear = rises && summary.rise.value > kClearRise * std::abs(summary.coulomb.value);
-  const bool seen_at_rest =
-      slow_enough(s, clear && is_stribeck(summary) ? summary.stribeck_speed : std::nullopt);
+  std::optional<double> speed = stribeck_speed_of(summary, s);
+  // A rise that was seen in the other direction alone lies below the slowest rows of this one.
+  if (!speed && found_.rows.grid[1 - side].high > 0.0)
+    speed = stribeck_speed_of(summary_of(map(), 1 - s, found_.rows.grid[1 - side]), 1 - s);
+  const bool seen_at_rest = slow_enough(s, speed);
   at_rest_seen_[side] = seen_at_rest;
   add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
       seen_at_rest);
@@ -184,29 +192,12 @@ void Description::write_summary(int s) {
       summary.line_seen);
 }
 
-/// Whether a reference asks for constant speeds below `speed` [m/s] for a second and more, one after the other.
-bool asked_slower(std::span<const log::Record> records, double speed) {
-  constexpr double kLongEnough = 1.0;  // [s]
-  constexpr double kSame = 0.02;       // of a speed
-  for (const log::Record& r : records) {
-    double held = 0.0, last = 0.0;
-    for (std::size_t k = 1; k < r.r.size(); ++k) {
-      const double v = (r.r[k] - r.r[k - 1]) / r.sample_time;
-      const bool slow = v != 0.0 && std::abs(v) < speed && std::abs(v - last) <= kSame * std::abs(v);
-      held = slow ? held + r.sample_time : 0.0;
-      last = v;
-      if (held > kLongEnough) return true;
-    }
-  }
-  return false;
-}
-
 /// Whether the slowest rows show the friction at rest: where a Stribeck part was found, most of its rise; where none was, speeds at
 /// which there usually is one. The first direction that does not is noted.
-bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed) {
+bool Description::slow_enough(int s, const std::optional<double>& stribeck_speed) {
   const map::Grid& grid = found_.rows.grid[static_cast<std::size_t>(s)];
   const bool metres = result_.position_unit == "m";
-  const double slow = stribeck_speed ? kMostOfStribeckSpeed * stribeck_speed->value
+  const double slow = stribeck_speed ? kMostOfStribeckSpeed * *stribeck_speed
                       : metres       ? kUsualStribeckSpeed
                                      : kSlowOfTop * grid.high;
   if (grid.low <= slow) return true;
@@ -216,7 +207,8 @@ bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed
   notes_.cannot_tell.push_back(
       text("static friction: nothing slower than %s was used, and the friction may rise below it: ",
            shown.speed(grid.low).c_str()) +
-      (asked_slower(found_.log.records, kMostOfStribeckSpeed * grid.low)
+      (asked_slower(found_.log.records, map::kDirection[static_cast<std::size_t>(s)],
+                    kMostOfStribeckSpeed * grid.low)
            ? std::string(
                  "slower motion was asked for, but the axis sticks and slips there, or turns before friction has "
                  "settled; jog over a longer distance, with a stiffer loop")
@@ -339,7 +331,7 @@ void Description::write_load() {
   }
   if (apart != 0.0) {
     notes_.cannot_tell.push_back(text(
-        "whether the difference of %s between each direction and their mean is a load or friction: it is taken as friction",
+        "whether half the difference between the directions, %s, is a load or friction: it is taken as friction",
         Shown(found_.log.records.front()).force(std::abs(apart)).c_str()));
   }
 }

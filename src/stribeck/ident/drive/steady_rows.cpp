@@ -90,4 +90,20 @@ std::vector<std::uint8_t> steady_rows(const log::Motion& m, double exclude) {
   return steady;
 }
 
+bool asked_slower(std::span<const log::Record> records, double direction, double speed) {
+  constexpr double kLongEnough = 1.0;  // [s]
+  constexpr double kSame = 0.02;       // of a speed
+  for (const log::Record& r : records) {
+    double held = 0.0, last = 0.0;
+    for (std::size_t k = 1; k < r.r.size(); ++k) {
+      const double v = direction * (r.r[k] - r.r[k - 1]) / r.sample_time;
+      const bool slow = v > 0.0 && v < speed && std::abs(v - last) <= kSame * v;
+      held = slow ? held + r.sample_time : 0.0;
+      last = v;
+      if (held > kLongEnough) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace stribeck::ident::drive

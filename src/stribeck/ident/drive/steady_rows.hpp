@@ -10,12 +10,17 @@
 /// Not modelled: stick-slip so fast that the window of the motion (motion.hpp) hides it.
 
 #include <cstdint>
+#include <span>
 #include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/log/record.hpp>
 #include <vector>
 
 namespace stribeck::ident::drive {
 
 /// One for each row: 1 where it is steady. `exclude` [m], above 0; at least 20 times the noise of the position is used.
 std::vector<std::uint8_t> steady_rows(const log::Motion& m, double exclude);
+
+/// Whether a reference asks for constant speeds below `speed` [m/s] for a second and more, in a direction (+1 or -1).
+bool asked_slower(std::span<const log::Record> records, double direction, double speed);
 
 }  // namespace stribeck::ident::drive
