@@ -21,8 +21,9 @@ std::string entry(const sim::CompareRow& r, Figure which, bool with_spread) {
   const double scale = sim::figure_of(which).scale;
   const double spread = r.spread.*which * scale;
   if (which == &sim::Metrics::input_variation) return significant(r.mean.*which * scale, 3);
-  std::string text = decimals(r.mean.*which * scale, 2);
-  if (with_spread && std::isfinite(spread)) text += " ±" + decimals(spread, 2);
+  const int digits = decimals_of_micrometres(r.mean.max_contour_error);
+  std::string text = decimals(r.mean.*which * scale, digits);
+  if (with_spread && std::isfinite(spread)) text += " ±" + decimals(spread, digits);
   return text;
 }
 

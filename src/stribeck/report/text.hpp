@@ -21,8 +21,12 @@ std::string right_aligned(std::string_view text, std::size_t width);
 
 /// With this many decimals; "–" where the value is not finite, never "-0.0".
 std::string decimals(double value, int digits);
-/// A length [m] in micrometres with two decimals, without the unit.
-inline std::string micrometres(double metres) { return decimals(metres * 1e6, 2); }
+/// Decimals of an error in micrometres: machines with nanometre encoders leave errors that two would show as 0.00.
+inline int decimals_of_micrometres(double metres) { return metres > 0.0 && metres < 0.05e-6 ? 4 : 2; }
+/// A length [m] in micrometres, without the unit.
+inline std::string micrometres(double metres) {
+  return decimals(metres * 1e6, decimals_of_micrometres(metres));
+}
 
 /// The same with its sign, "+" too; "0" has none.
 std::string with_sign(double value, int digits);

@@ -51,7 +51,7 @@ std::string errors_of(const std::vector<TravelBlock>& blocks, const RowsOfOne& r
   return listed(parts);
 }
 
-/// "; at 54 mm/s alone, (k) is better: 22.0 µm" for the speeds at which another controller has the smallest error; "" where there is none.
+/// "; only at 54 mm/s, (k) is better: 22.0 µm" for the speeds at which another controller has the smallest error; "" where there is none.
 std::string smaller_at(const std::vector<TravelBlock>& blocks, const RowsOfOne& chosen) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -60,7 +60,7 @@ std::string smaller_at(const std::vector<TravelBlock>& blocks, const RowsOfOne& 
       if (r->refused.empty() && r->mean.max_contour_error < best->mean.max_contour_error) best = r;
     }
     if (best != chosen[i])
-      parts.push_back(fmt::format("at {} alone, {} is better: {}\u00A0µm", blocks[i].text, name_of(*best),
+      parts.push_back(fmt::format("only at {}, {} is better: {}\u00A0µm", blocks[i].text, name_of(*best),
                                   micrometres(best->mean.max_contour_error)));
   }
   return parts.empty() ? std::string() : "; " + listed(parts);

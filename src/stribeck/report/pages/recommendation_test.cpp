@@ -67,7 +67,7 @@ TEST(Recommendation, SaysWhereAnotherControllerIsBetter) {
   EXPECT_THAT(
       r.words,
       HasSubstr(
-          "the smallest of 2 controllers over all speeds together; at 54 mm/s alone, (a) is better: 2.50\u00A0µm"));
+          "the smallest of 2 controllers over all speeds together; only at 54 mm/s, (a) is better: 2.50\u00A0µm"));
   EXPECT_THAT(r.numbers.back().name, HasSubstr("geometric mean over the speeds"));
 }
 

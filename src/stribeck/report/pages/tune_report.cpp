@@ -145,7 +145,7 @@ std::string worse_in_words(const sim::TunedController& c, const sim::TuneResult&
     return fmt::format(
         "controller ({}): the tuned gains leave a larger error than its own, {} in place of {} µm at "
         "{}{}",
-        clean_text(c.start.id), decimals(after * 1e6, 2), decimals(before * 1e6, 2),
+        clean_text(c.start.id), micrometres(after), micrometres(before),
         spec.compare.travels[t].pace_in_words(),
         broken.empty() ? "; its own gains keep all limits: keep them"
                        : "; its own gains break a limit: " + broken);

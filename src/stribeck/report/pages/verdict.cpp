@@ -13,7 +13,7 @@ namespace {
 using Figure = double sim::Metrics::*;
 using sim::Metrics;
 
-std::string with_micrometres(double metres) { return decimals(metres * 1e6, 2) + "\u00A0µm"; }
+std::string with_micrometres(double metres) { return micrometres(metres) + "\u00A0µm"; }
 std::string millivolts(double volts) { return significant(volts * 1e3, 3) + "\u00A0mV"; }
 
 bool is_plain(const sim::CompareRow& r) {

@@ -17,7 +17,7 @@ using io::Json;
 using io::number_or_null;
 
 std::string error_text(double error) {
-  return std::isnan(error) ? "not simulated" : std::isinf(error) ? "path lost" : decimals(1e6 * error, 2);
+  return std::isnan(error) ? "not simulated" : std::isinf(error) ? "path lost" : micrometres(error);
 }
 
 /// Controllers of which the machines were scored.
@@ -94,7 +94,7 @@ std::string trade_off_text(const sim::TradeOff& all, const sim::TuneSpec& spec) 
         columns.emplace_back(TextColumn{fmt::format("{:.0f} %", 100.0 * all.shares[i]), "µm", {}});
     for (const sim::TunedController& c : all.results[i].controllers) {
       const double error = mean_of(c, &sim::Metrics::max_contour_error);
-      column.entries.push_back(std::isnan(error) ? "–" : decimals(1e6 * error, 2));
+      column.entries.push_back(std::isnan(error) ? "–" : micrometres(error));
     }
   }
   return fmt::format(
