@@ -39,7 +39,7 @@ class Answers {
   /// Machine files of the folder are offered beside those that are built in.
   Answers(const std::filesystem::path& folder, std::string version);
 
-  /// Absent: nothing here has this address. What takes nothing is to be done before the request goes.
+  /// Absent: nothing here has this address. Work of kind kNothing must run while the request still exists.
   [[nodiscard]] std::optional<Answer> find(const Request& request);
 
   /// What the work answers, or its error as one.

@@ -113,7 +113,7 @@ class Session : public std::enable_shared_from_this<Session<State>> {
     // What is no HTTP gets an answer as well; a connection that ended or took too long gets none.
     if (ec.category() == http::make_error_code(http::error::bad_method).category() &&
         ec != http::error::end_of_stream && ec != http::error::partial_message)
-      finish(error_response(400, "this is no request of HTTP/1.1"));
+      finish(error_response(400, "this is not an HTTP/1.1 request"));
   }
 
   static Response too_large() { return error_response(413, "the request is larger than is read here"); }
@@ -126,7 +126,7 @@ class Session : public std::enable_shared_from_this<Session<State>> {
 
   void admit() {
     const auto& head = parser_->get();
-    if (head.version() != 11) return finish(error_response(505, "HTTP/1.1 is spoken here"));
+    if (head.version() != 11) return finish(error_response(505, "only HTTP/1.1 is supported"));
     if (head.target().size() > kMostTarget) return finish(error_response(414, "the address is too long"));
     Admission admission = state_->handler.admit(head_of(head));
     if (admission.refused) return finish(std::move(*admission.refused));

@@ -354,7 +354,7 @@ TEST(Export, WarnsOfALoopThatIsUnfit) {
   ASSERT_EQ(soft.size(), 1u);
   EXPECT_EQ(
       soft[0],
-      "x: friction that turns over moves a loop of 1 rad/s by 24 mm; supervision of the following error "
+      "x: at a reversal of friction a loop of 1 rad/s leaves its command by up to 24 mm; supervision of the following error "
       "allows for it (raise --omega)");
   EXPECT_EQ(said(rigid, "30 rad/s").size(), 0u);
 }

@@ -102,7 +102,7 @@ inline void deviate(Gaussian<double>& map, double&, const ModelDeviation& d, dou
   const auto of = [&](GaussianBranch<double>& branch, std::size_t s, double sign) {
     branch.eta0 += sign * d.level[s];
     branch.eta1 += d.viscous[s];
-    // A branch that holds its six terms already keeps its rise.
+    // If the branch already has six terms, its rise is not changed.
     if (d.rise[s] != 0.0) branch.gaussians.push_back({sign * d.rise[s], 0.0, rise_speed});
   };
   of(map.positive, 0, 1.0);

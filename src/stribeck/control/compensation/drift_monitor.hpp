@@ -3,7 +3,7 @@
 ///
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
-///   verdict  by λ against 10 and 25 % and three standard deviations, if one of them is below 10 %; if λ is unchanged, by a delay
+///   verdict  by λ against 10 and 25 % and three standard deviations, given only if one standard deviation of λ is below 10 %; if λ is unchanged, by a delay
 ///            above one period, viscous friction above 25 % or a mass above 15 %, each beyond three standard deviations. Viscous
 ///            friction counts only if it is known to 20 %: slow motion holds little of it, and moves the estimate at random
 ///   shape    λ and χ − 1 of opposite sign, both beyond two standard deviations: no machine changes like that; the map lacks

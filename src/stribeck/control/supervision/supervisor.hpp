@@ -7,7 +7,7 @@
 ///   judge   after the law: checks the motion of each axis (motion_check.hpp). The forces stay as the law gave them, except for a limit
 ///           until the sign of an axis is proven (sign_proof.hpp), of which the law is told
 ///   a fault is latched with its axis; from then on all axes stop together (safe_stop.hpp), a brake is asked for, the law rests
-///   checks = lost: the law sees every sample and reference unchanged; only samples that are NaN or infinite for too long are a fault
+///   checks = lost: the law sees every sample and reference unchanged; only samples and references that are NaN or infinite for too long are a fault
 ///   reset   keeps what adaptation had learned 1 to 2 s before the fault; everything else starts anew
 ///
 /// Without a fault, a bridged or doubtful sample or a limit at the start, forces are those of the law alone, bit for bit.

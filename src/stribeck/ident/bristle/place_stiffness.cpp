@@ -9,8 +9,9 @@ namespace stribeck::ident::bristle {
 namespace {
 
 constexpr std::size_t kMostPathRows = 8'000;
-constexpr double kExpectedShare = 0.4;  // standard deviation of ln ρ, known before
-constexpr double kSmoothShare = 0.15;   // of its second difference from place to place
+constexpr double kExpectedShare = 0.4;  // prior standard deviation of ln ρ
+constexpr double kSmoothShare =
+    0.15;  // prior standard deviation of the second difference between neighbouring places
 constexpr double kBeside = 0.05;     // of the levels, the load and the viscous part, as shares of the level
 constexpr double kLeastShare = 0.1;  // that is stored
 constexpr double kPredictsBetter = 0.95;

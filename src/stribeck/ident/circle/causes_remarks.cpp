@@ -42,13 +42,15 @@ void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, const Cause
       1e3 * angle_fast * radius / fast, 1e6 * radius * (1.0 - std::cos(angle_fast)), 6e4 * fast);
   if (std::abs(time) < 0.5 * std::abs(travel)) {
     remarks.push_back(fmt::format(
-        "spikes of {}: {}: the time stays, as of backlash that closes, or is compensated, late", name, tops));
+        "spikes of {}: {}: the delay is the same at both feeds: backlash that closes late, or whose compensation comes late",
+        name, tops));
   } else if (std::abs(travel) < 0.5 * std::abs(time)) {
-    remarks.push_back(
-        fmt::format("spikes of {}: {}: the travel stays, as of friction before sliding", name, tops));
+    remarks.push_back(fmt::format(
+        "spikes of {}: {}: the distance is the same at both feeds: friction before sliding", name, tops));
   } else {
     remarks.push_back(fmt::format(
-        "spikes of {}: {}: neither stays, friction and backlash cannot be distinguished", name, tops));
+        "spikes of {}: {}: neither delay nor distance is the same at both feeds: friction and backlash cannot be distinguished",
+        name, tops));
   }
 }
 

@@ -52,7 +52,7 @@ std::string beyond(const Reach& reach, const Limits& limits);
 /// Largest force that the positions may need of the drive [N].
 double force_needed(const std::vector<double>& position, double sample_time, const Doubt& doubt);
 
-/// A design and where it may lead.
+/// A design and the range of motion that it can cause.
 struct SafeExcitation {
   Excitation excitation;
   Reach reach;

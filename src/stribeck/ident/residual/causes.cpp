@@ -260,9 +260,9 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
       "friction is {} ({} % of it) higher between {} and {}, {}: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
       rows.shown().force(most), digits(100.0 * most / rows.friction, 2), place(first), place(last + 1),
       passed[0] && passed[1] ? "in both directions"
-      : passed[0]            ? "in positive direction (the other one did not pass there)"
-      : passed[1]            ? "in negative direction (the other one did not pass there)"
-                             : "in the direction that passed there"));
+      : passed[0]            ? "in positive direction (there was no motion there in the other one)"
+      : passed[1]            ? "in negative direction (there was no motion there in the other one)"
+                             : "in the direction that moved there"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ void set_decimal_sign(Log& log, char sign) {
   });
   if (any)
     log.notes.emplace_back(
-        "the table has decimal commas: numbers in the lines above it are taken as written alike");
+        "the table has decimal commas: numbers above the table are read with decimal commas too");
 }
 
 }  // namespace stribeck::io

@@ -17,7 +17,7 @@
 
 namespace stribeck::sim {
 
-/// Relative error of a quantile by its bin.
+/// Largest relative error of a quantile due to the width of its bin.
 inline constexpr double kSpreadError = 5e-4;
 
 /// NaN where there is no limit.

@@ -31,7 +31,7 @@ std::vector<std::string> loop_warnings(const Configuration& c) {
     const double moved = 2.0 * level / (a.model.mass * c.omega * c.omega);
     if (moved > a.machine->limits.speed / c.omega)
       all.push_back(fmt::format(
-          "{}: friction that turns over moves a loop of {:.6g} rad/s by {:.2g} {}; supervision of "
+          "{}: at a reversal of friction a loop of {:.6g} rad/s leaves its command by up to {:.2g} {}; supervision of "
           "the following error allows for it (raise --omega)",
           a.letter, c.omega, in_units(a, moved), unit_name(a)));
   }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kAccuracy = 1e-8;  ///< of the simulated contour error [m]
 constexpr double kShareOfError =
-    5e-4;  ///< of the error without a pulse, that the simulation of a larger one may miss
+    5e-4;  ///< allowed error of the simulation, as a share of the error without a pulse
 constexpr double kCoarse = 1e-6;  ///< at most [m]
 constexpr int kMostDelay = 8;     ///< of the plant [control periods]
 
@@ -36,7 +36,7 @@ sim::Machine machine_of(const std::array<friction::AxisModel, 2>& axes, double p
     a.plant.mass = known.mass;
     a.plant.load = known.load;
     a.plant.drive = plant::CurrentDrive{1.0, {}};
-    // Neither rounds in these runs, and no force is too large.
+    // Converter and encoder do not round in these runs, and no force saturates.
     a.plant.converter.range = 1e9;
     a.plant.encoder.resolution = 1e-9;
     a.plant.friction = known.friction;

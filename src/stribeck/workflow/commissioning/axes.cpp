@@ -139,7 +139,7 @@ void check_units(RunningMachine& machine, const RunningAxes& all, const RunningA
 void warn(RunningMachine& machine, RunningAxes& all, const RunningAxis& axis) {
   if (signal_of(machine, axis.component + ".faulted").empty())
     all.warnings.push_back(fmt::format(
-        "axis {}: {}.faulted is not connected to joint.{}.amp-fault-in: LinuxCNC goes on where the controller has stopped",
+        "axis {}: {}.faulted is not connected to joint.{}.amp-fault-in: LinuxCNC does not stop when the controller stops",
         axis.name, axis.component, axis.joint));
   if ((axis.rough.load_force() != 0.0 || axis.rough.load_spread() != 0.0) &&
       signal_of(machine, axis.component + ".brake").empty())
@@ -233,7 +233,9 @@ RunningAxes find_axes(RunningMachine& machine, const MachineDescription& descrip
   if (!(state.units_per_mm > 0.0)) throw Stopped("[TRAJ]LINEAR_UNITS is missing");
   all.unit = 1e-3 / state.units_per_mm;
   const std::string letters = coordinates_of(machine);
-  all.period = 1e-9 * number_in(machine, "EMCMOT", "SERVO_PERIOD").value_or(0.0);
+  const std::optional<double> period = number_in(machine, "EMCMOT", "SERVO_PERIOD");
+  if (!period) throw Stopped("[EMCMOT]SERVO_PERIOD is missing (write it in nanoseconds, e.g. 1000000)");
+  all.period = 1e-9 * *period;
   if (std::abs(all.period - description.sample_time) > 1e-3 * description.sample_time)
     throw Stopped(fmt::format(
         "[EMCMOT]SERVO_PERIOD is {:.6g} ms, sample_time of the machine file {:.6g} ms (correct one of the two files)",

@@ -134,8 +134,8 @@ io::Json identify_axes(Work& work) {
     refused += (refused.empty() ? "" : ", ") + a.axis;
   }
   if (!refused.empty())
-    throw Stopped(
-        fmt::format("no model is promoted: axis {} is not ready (record again: --stage record)", refused));
+    throw Stopped(fmt::format("no axis file was written: axis {} is not ready (record again: --stage record)",
+                              refused));
   return report::to_json(found);
 }
 

@@ -21,7 +21,8 @@ namespace stribeck::workflow {
 namespace {
 
 constexpr int kPasses = 3;
-constexpr double kBetter = 0.95;  // of the residual, to take a force off the logs that is not sure
+constexpr double kBetter =
+    0.95;  // largest ratio of residuals at which an uncertain force is removed from the logs
 constexpr double kMuchBetter =
     0.75;  // the same for an elastic drive: any curvature of the force looks like a little of one
 constexpr double kSure = 3.0;  // half widths of 95 %: noise may be much larger than the force

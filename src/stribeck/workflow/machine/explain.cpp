@@ -20,7 +20,7 @@ Explained rough(const char* what, const Rough& r, std::string_view unit) {
             "as certain as you say: excitations are safe inside this range"};
   }
   return {what, fmt::format("{} {}", short_number(r.middle()), unit),
-          fmt::format("one value: excitations are safe from {} to {} {}; a range makes them stronger",
+          fmt::format("a single value is treated as {} to {} {}; give a range to allow stronger excitations",
                       significant(r.low(), 3), significant(r.high(), 3), unit)};
 }
 
@@ -139,7 +139,7 @@ class Explanation {
       add(a_.rotary ? "rotor at the table" : "rotor as mass",
           fmt::format("{} {}", significant(*rotor, 3), u_.mass),
           *rotor < a_.commissioning.mass.middle()
-              ? fmt::format("part of the {} below, which is the whole", mass_word())
+              ? fmt::format("included in the {} below", mass_word())
               : fmt::format(
                     "more than the {0} below, which must contain it: check rotor inertia, gear, lead and {0}",
                     mass_word()));

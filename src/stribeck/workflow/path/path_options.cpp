@@ -300,7 +300,7 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                         limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * q[0][i],
                         is_circle(travel) || (limits.travel_min < 0.0 && limits.travel_max > 0.0)
                             ? "choose a smaller size"
-                            : "this shape lies about position 0: give it as --path POINTS.csv where the axis can go"));
+                            : "this shape is centred at position 0, outside the travel: give it as --path POINTS.csv inside the travel"));
               }
               const double square = dot(q[1], q[1]);
               if (travel.pace == path::Pace::kRate) {

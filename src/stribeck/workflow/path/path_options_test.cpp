@@ -26,7 +26,7 @@ double reference_radius(const sim::CompareSpec& spec) {
   return std::get<path::ConeFrustum>(spec.travels.front().path).table.radius;
 }
 
-// An axis that turns is carried at a radius of 1 m; one that does not say so is a travel at that of the experiment.
+// A rotary axis has a radius of 1 m; if the file does not say that it is rotary, the radius of the experiment is used.
 TEST(PathOptions, TheTableTurnsAtTheRadiusOfItsAxes) {
   sim::Machine machine = mill();
   EXPECT_DOUBLE_EQ(reference_radius(printed_spec("five-axis", machine, "m.toml")), 0.1);
@@ -79,7 +79,7 @@ TEST(PathOptions, ACircleIsLaidIntoTheTravel) {
   path.path = "eight";
   use_path(spec, path, {5e-3}, machine, "m.toml");
   EXPECT_THAT([&] { check_travel(machine, "m.toml", spec); },
-              ThrowsMessage<io::InputError>(HasSubstr("this shape lies about position 0")));
+              ThrowsMessage<io::InputError>(HasSubstr("this shape is centred at position 0")));
 }
 
 // A machine of one's own had its circle alone; --experiment bi-table, with the gains of another machine, was the way to other shapes.

@@ -12,8 +12,9 @@
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr double kExpected = 0.3;  // standard deviation of a share, known before
-constexpr double kSmooth = 0.1;    // of its second difference from place to place
+constexpr double kExpected = 0.3;  // prior standard deviation of a share
+constexpr double kSmooth =
+    0.1;  // prior standard deviation of the second difference between neighbouring places
 constexpr double kPredicts =
     0.92;  // squared residual of motion left out, at most this share of that without places
 constexpr double kWorthStoring = 0.03;  // largest share, at least
@@ -170,7 +171,7 @@ std::vector<Products> without_places(const std::vector<Products>& blocks) {
   return out;
 }
 
-/// What is known before: small and smooth.
+/// Prior: deviations are small and smooth.
 MatrixXd prior(Index columns, Index places) {
   MatrixXd p = MatrixXd::Identity(columns, columns) / (kExpected * kExpected);
   for (Index i = 1; i + 1 < places; ++i) {

@@ -105,8 +105,8 @@ bool is_known_word(const std::string& word) {
          });
 }
 
-/// The words that stand beside quantities of an axis, in a log where one of them has two, a position or velocity among them: "RA_cmd",
-/// "RA_torque". Then the words of all positions are names of axes.
+/// Names of axes: words before or after the quantity ("RA_cmd", "RA_torque"). Used only if one word has two quantities, one of them a
+/// position or velocity.
 std::vector<std::string> axes_by_word(const io::Log& log, bool at_end) {
   struct Named {
     std::string word;
