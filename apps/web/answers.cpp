@@ -18,13 +18,13 @@ constexpr int kBad = 400;
 constexpr int kNoResult = 422;
 constexpr int kFault = 500;
 
-Response json(const Json& value) {
-  return json_response(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}  // namespace
+
+Response response_of(const nlohmann::ordered_json& json) {
+  return json_response(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-Response outdated() { return json_response("{\"outdated\":true}"); }
-
-}  // namespace
+Response outdated_response() { return json_response("{\"outdated\":true}"); }
 
 Answers::Answers(const std::filesystem::path& folder, std::string version)
     : machines_(folder), identify_(uploads_, std::move(version)) {}
@@ -33,7 +33,7 @@ Response Answers::caught(const std::function<Response()>& work) const {
   try {
     return work();
   } catch (const Outdated&) {
-    return outdated();
+    return outdated_response();
   } catch (const io::InputError& e) {
     std::string text;
     for (const io::Problem& p : e.problems()) {
@@ -73,9 +73,9 @@ std::optional<Answer> Answers::get(const Request& r) {
   const std::string_view path = path_of(r.target);
   const std::string id = query_value(r.target, "id").value_or("");
   if (path == "/api/machines")
-    return Answer{Takes::kNothing, {}, [this](const auto&) { return json(machines_.list()); }};
+    return Answer{Takes::kNothing, {}, [this](const auto&) { return response_of(machines_.list()); }};
   if (path == "/api/machine")
-    return Answer{Takes::kNothing, {}, [this, id](const auto&) { return json(what_if_.form(id)); }};
+    return Answer{Takes::kNothing, {}, [this, id](const auto&) { return response_of(what_if_.form(id)); }};
   if (path == "/results/page") {
     return Answer{Takes::kSeconds, "page " + id, [this, id](const auto&) {
                     return Response{200, "text/html; charset=utf-8", identify_.page(id), {}};
@@ -89,7 +89,7 @@ std::optional<Answer> Answers::post(const Request& r) {
   if (path == "/api/what-if") {
     auto request = read_request<WhatIfRequest>(r.body);
     return Answer{Takes::kMilliseconds, request.client,
-                  [this, request](const auto& is_old) { return json(what_if_.run(request, is_old)); }};
+                  [this, request](const auto& is_old) { return response_of(what_if_.run(request, is_old)); }};
   }
   if (path == "/api/machine-file") {
     return Answer{Takes::kNothing, {}, [this, request = read_request<WhatIfRequest>(r.body)](const auto&) {
@@ -99,20 +99,20 @@ std::optional<Answer> Answers::post(const Request& r) {
   if (path == "/api/logs") {
     return Answer{Takes::kNothing, {}, [this, &r](const auto&) {
                     const Upload u = uploads_.add(query_value(r.target, "name").value_or("log.csv"), r.body);
-                    return json({{"id", u.id}, {"name", u.name}, {"bytes", u.bytes}});
+                    return response_of({{"id", u.id}, {"name", u.name}, {"bytes", u.bytes}});
                   }};
   }
   if (path == "/api/forget") {
     return Answer{Takes::kNothing, {}, [this, &r](const auto&) {
                     uploads_.remove(query_value(r.target, "id").value_or(""));
-                    return json(Json::object());
+                    return response_of(Json::object());
                   }};
   }
   if (path == "/api/inspect" || path == "/api/identify") {
     auto request = read_request<IdentifyRequest>(r.body);
     const bool only_look = path == "/api/inspect";
     return Answer{Takes::kSeconds, request.client, [this, request, only_look](const auto&) {
-                    return json(only_look ? identify_.inspect(request) : identify_.identify(request));
+                    return response_of(only_look ? identify_.inspect(request) : identify_.identify(request));
                   }};
   }
   return {};

@@ -34,6 +34,10 @@ struct Answer {
   std::function<Response(const Newest::IsOld&)> work;
 };
 
+Response response_of(const nlohmann::ordered_json& json);
+/// {"outdated": true}
+Response outdated_response();
+
 class Answers {
  public:
   /// Machine files of the folder are offered beside those that are built in.

@@ -20,12 +20,6 @@ constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
-Response json(const Json& value) {
-  return json_response(value.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-Response outdated() { return json_response("{\"outdated\":true}"); }
-
 Response not_found() { return error_response(kNotFound, "there is no such page"); }
 
 }  // namespace
@@ -59,7 +53,7 @@ void Site::later(Newest& thread, const std::string& client, const Reply& reply,
   const bool taken = thread.post(client, {[this, reply, work = std::move(work)](const Newest::IsOld& is_old) {
                                             reply(answers_.caught([&] { return work(is_old); }));
                                           },
-                                          [reply] { reply(outdated()); }});
+                                          [reply] { reply(outdated_response()); }});
   if (!taken) reply(error_response(kBusy, "too many pages ask at once (try again in a moment)"));
 }
 
@@ -77,7 +71,7 @@ void Site::get(const Request& r, const Reply& reply) {
                   std::string(asset->text),
                   {{"Content-Security-Policy", std::string(kPolicy)}}});
   }
-  if (path == "/api/live") return reply(json(live_.state()));
+  if (path == "/api/live") return reply(response_of(live_.state()));
   if (path == "/api/live/events") return reply(live_.events());
   computed(r, reply);
 }
@@ -115,13 +109,13 @@ void Site::post_live(const Request& r, const Reply& reply) {
     const auto request = read<LiveRequest>(r, reply);
     if (!request) return;
     return later(knobs_, "live " + request->client, reply, [this, request](const Newest::IsOld& is_old) {
-      return json(live_.start(*request, is_old));
+      return response_of(live_.start(*request, is_old));
     });
   }
   const auto done = [&](auto work) {
     // A name of its own: another page must not take this one's place.
     later(files_, "live " + std::string(what) + std::to_string(++live_asked_), reply,
-          [work](const Newest::IsOld&) { return json(work()); });
+          [work](const Newest::IsOld&) { return response_of(work()); });
   };
   if (what == "stop") return done([this] { return live_.stop(); });
   if (what == "record") return done([this] { return live_.record(); });

@@ -153,7 +153,9 @@ void complete_times(Log& log, const ReadOptions& options) {
                                        : told.period       ? told.period
                                                            : options.machine_period;
   const bool of_machine = !options.sample_time && !told.period;
-  if (const Column* time = of_machine ? detail::time_of_unknown_unit(log) : nullptr; time != nullptr) {
+  // Never where the times are not needed, and where no period would be taken in their place.
+  const bool taken = of_machine && options.machine_period && options.times_needed;
+  if (const Column* time = taken ? detail::time_of_unknown_unit(log) : nullptr; time != nullptr) {
     const std::string name = time->header.empty() ? time->name : time->header;
     throw InputError(Problem{
         log.source, 0, "",
@@ -176,7 +178,7 @@ void complete_times(Log& log, const ReadOptions& options) {
   }
   std::vector<double> t(log.rows);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *period;
-  if (const Column* counter = detail::row_counter(log);
+  if (const Column* counter = detail::row_counter(log, of_machine);
       counter != nullptr && counter->values.size() == t.size()) {
     bool even = true;
     for (std::size_t i = 0; i < t.size(); ++i) {

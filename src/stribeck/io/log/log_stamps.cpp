@@ -164,7 +164,7 @@ ToldSampling told_sampling(const Log& log) {
   return told;
 }
 
-const Column* row_counter(const Log& log) {
+const Column* row_counter(const Log& log, bool of_control) {
   constexpr std::array<std::string_view, 14> kNames{"index", "sample",  "samples", "sample number", "no",
                                                     "no.",   "nr",      "nr.",     "number",        "cycle",
                                                     "count", "counter", "row",     "takt"};
@@ -172,9 +172,9 @@ const Column* row_counter(const Log& log) {
     if (!c.texts.empty() || c.values.size() < 2 || (!c.unit_text.empty() && c.unit_text != "1")) continue;
     const std::string name = lower_case(c.name);
     const std::string last = name.substr(name.find_last_of(" _-") + 1);  // "IPO_Cycle"
-    constexpr std::array<std::string_view, 4> kOfControl{"tick", "ticks", "cycle", "takt"};
+    constexpr std::array<std::string_view, 3> kOfControl{"cycle", "cycles", "takt"};
     if (std::find(kNames.begin(), kNames.end(), name) == kNames.end() &&
-        std::find(kOfControl.begin(), kOfControl.end(), last) == kOfControl.end())
+        (!of_control || std::find(kOfControl.begin(), kOfControl.end(), last) == kOfControl.end()))
       continue;
     const bool counts = std::adjacent_find(c.values.begin(), c.values.end(), [](double a, double b) {
                           return !(b > a) || b != std::floor(b) || a != std::floor(a);

@@ -133,10 +133,15 @@ TEST(LogStamps, ACounterOfRowsTellsWhichAreMissing) {
 
 TEST(LogStamps, ACounterMayBeThatOfTheControl) {
   ReadOptions options;
-  options.sample_time = 0.25;
-  for (const char* name : {"Tick", "IPO_Cycle", "servo ticks"})
+  options.machine_period = 0.25;
+  for (const char* name : {"IPO_Cycle", "servo cycle", "IPO-Takt"})
     EXPECT_DOUBLE_EQ(parse(std::string(name) + ",x_mm\n0,1\n5,2\n10,3\n", options).columns.at(0).values.at(2),
                      2.5)
+        << name;
+  // A time between rows counts rows, and a tick may be of any clock.
+  options.sample_time = 0.25;
+  for (const char* name : {"IPO_Cycle", "HAL_Tick"})
+    EXPECT_DOUBLE_EQ(parse(std::string(name) + ",x_mm\n0,1\n5,2\n10,3\n", options).at("t").values.at(2), 0.5)
         << name;
 }
 
@@ -152,6 +157,9 @@ TEST(LogStamps, ATimeInAnUnknownUnitIsAskedFor) {
     } catch (const InputError& e) {
       EXPECT_THAT(e.what(), HasSubstr("looks like the time, in a unit that is not known")) << name;
     }
+    options.times_needed = false;
+    EXPECT_NO_THROW(parse(text, options)) << name;
+    options.times_needed = true;
     options.sample_time = 2e-3;
     EXPECT_DOUBLE_EQ(parse(text, options).at("t").values.at(1), 2e-3) << name;
   }

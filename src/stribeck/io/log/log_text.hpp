@@ -167,7 +167,8 @@ void add_groups(Log& log, std::vector<Group> groups, const std::string& time_uni
 void note_times(Log& log);
 
 /// A column of whole numbers that increase and is called index, sample, …; null: there is none.
-const Column* row_counter(const Log& log);
+/// With `of_control` also one of control periods ("IPO_Cycle"), which a time between rows would not count.
+const Column* row_counter(const Log& log, bool of_control);
 /// A column whose name says that it is the time, in a unit that is not known ("Time [100ns]"); null: there is none.
 const Column* time_of_unknown_unit(const Log& log);
 

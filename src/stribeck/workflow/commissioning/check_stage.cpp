@@ -66,12 +66,12 @@ void refuse_unrest(Work& work) {
 
 /// Switches on with little force, and records what moves.
 void switch_on_weak(Work& work) {
+  // The end of a try switches the machine off; an emergency stop is somebody's.
+  if (work.machine.state().estop)
+    throw StoppedByHand("the emergency stop is active (release it and repeat the stage)");
   work.machine.begin_record(work.axes.sampler, work.folder + "/on.log");
   std::string refused;
-  const bool faulted = controller_faulted(work);
   try {
-    // The try before may have tripped it; anybody else's emergency stop stays.
-    if (faulted && work.machine.state().estop) work.machine.release_emergency_stop();
     work.machine.switch_on();
   } catch (const MachineError& e) {
     refused = e.what();

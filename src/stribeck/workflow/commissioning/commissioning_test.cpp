@@ -144,6 +144,18 @@ TEST(Commissioning, AnEmergencyStopEndsTheStageAndStays) {
   }
 }
 
+// Pressed when an axis had run away: the fault of the controller explained the stop, and the next try released it.
+TEST(Commissioning, AnEmergencyStopBesideAFaultStays) {
+  Session s;
+  s.machine.pressed_after = "estop";
+  s.machine.fault_after = "5";
+  s.stops();
+  EXPECT_TRUE(s.machine.estop);
+  EXPECT_FALSE(s.machine.on);
+  EXPECT_EQ(s.asked("release"), 0);
+  EXPECT_EQ(s.asked("jog"), 1);
+}
+
 TEST(Commissioning, AnEmergencyStopIsReleasedAfterAQuestionAlone) {
   Session s;
   s.machine.estop = true;

@@ -59,10 +59,8 @@ void Work::ask(const std::string& motion) const {
   if (!dialogue.agree(motion)) throw Stopped("not begun: the motion was not agreed to");
 }
 
-bool controller_faulted(Work& work) { return !fault_of_controllers(work).empty(); }
-
 Trouble trouble(Work& work, const MachineState& state) {
-  if (std::string fault = fault_of_controllers(work); !fault.empty()) return {std::move(fault)};
+  if (std::string fault = fault_of_controllers(work); !fault.empty()) return {std::move(fault), state.estop};
   if (!state.errors.empty()) return {"LinuxCNC says: " + state.errors.front()};
   if (!state.on) {
     // What switched it off may say why a moment later.

@@ -48,8 +48,6 @@ struct Trouble {
 Trouble trouble(Work& work, const MachineState& state);
 /// Ends the stage for this reason.
 [[noreturn]] void stop_for(const Trouble& trouble);
-/// Whether a controller has a fault: it may have tripped the emergency stop itself.
-bool controller_faulted(Work& work);
 /// Programs are in machine coordinates: Stopped where offsets are active.
 void refuse_offsets(Work& work);
 /// Waits until a motion has ended; stops the machine and throws where there is a reason.

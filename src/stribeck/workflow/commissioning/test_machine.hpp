@@ -39,6 +39,7 @@ class FakeMachine final : public RunningMachine {
   bool estop = false;
   std::string offsets = {};        ///< of a program
   std::string pressed_after = {};  ///< "estop" or "off": somebody's hand, at the next move
+  std::string fault_after = {};    ///< of the controller, with it
   bool is_homed = true;
   bool broken_record = false;  ///< rows of its records are no numbers
 
@@ -81,6 +82,7 @@ class FakeMachine final : public RunningMachine {
     if (!pressed_after.empty()) {
       estop = pressed_after == "estop";
       on = false;
+      if (!fault_after.empty()) fault_value = fault_after;
       pressed_after.clear();
     }
     const double from = command_;
