@@ -60,6 +60,7 @@ const requestOf = () => {
 
 async function inspect() {
   byId('result').hidden = true;
+  ++asked;  // whatever is still on its way is of other logs
   if (logs.length === 0) {
     byId('inspection').replaceChildren();
     return say('Drop the log of an axis: mass, friction and load follow, with 95 % intervals.');

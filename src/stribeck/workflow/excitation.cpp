@@ -11,6 +11,7 @@
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/worst_case.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/commission.hpp>
@@ -156,16 +157,17 @@ void refuse_unsaid_weight(const ExcitationOptions& o, const std::string& name, c
 /// The file of another axis; and in open loop nothing holds a weight that one of the two files does not know.
 void refuse_contradiction(const ExcitationOptions& o, const std::string& name, const AxisDescription& axis,
                           const sim::AxisFile& file) {
-  if (file.axis && *file.axis != name)
-    refuse_option("--known", fmt::format("{} says that it is of axis {}, expected the axis file of {}",
-                                         o.known, *file.axis, name));
+  if (file.axis && io::lower_case(*file.axis) != io::lower_case(name))
+    refuse_option("--known",
+                  fmt::format("{} says that it is of axis {}, expected the axis file of {} (its key is axis)",
+                              o.known, *file.axis, name));
   const friction::AxisModel& known = file.model;
-  if (!in_open_loop(o)) return;
   const RoughAxis& rough = axis.commissioning;
+  if (!in_open_loop(o) || rough.unbalance) return;
   const double told = std::abs(rough.load_force());
   const double apart = std::abs(known.load - rough.load_force()) - rough.load_spread();
   // A load that friction holds either way, or that both files know to a quarter, is no danger.
-  if (apart < std::max(0.25 * told, 0.5 * rough.friction.low())) return;
+  if (apart < std::max(0.25 * told, rough.friction.low())) return;
   throw ident::Refused(fmt::format(
       "{}: axis {}: the machine file says a load of {:.4g} {}, {} one of {:.4g} {}: without force the axis may fall. Correct the one "
       "that is wrong, or choose jog, sine and constant-acceleration, which hold the position",

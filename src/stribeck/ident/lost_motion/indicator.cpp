@@ -163,6 +163,7 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
   };
   const Estimate compliance = widened(0, 1.0);
   const Estimate backlash = widened(1, 1e-6);
+  if (!(compliance.high() > 0.0)) return false;  // the sign of the loads is another
   if (compliance.half_width < kMostError * compliance.value) {
     out.stiffness = stiffness_of(compliance);
     out.table_friction = friction;

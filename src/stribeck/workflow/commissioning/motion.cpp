@@ -85,8 +85,8 @@ void stop_for(const Trouble& trouble) {
 void refuse_offsets(Work& work) {
   if (const std::string offsets = work.machine.state().offsets; !offsets.empty())
     throw Stopped(fmt::format(
-        "offsets are active ({}), and the motions are planned in machine coordinates: take them off (G10 L2 P0 X0 Y0 Z0 R0, G92.1, "
-        "G49) and repeat the stage",
+        "offsets are active ({}), and the motions are planned in machine coordinates: in G54, note the values, take them off (G10 L2 P1 with 0 for every axis that is "
+        "named and R0, G92.1, G49) and repeat the stage",
         offsets));
 }
 

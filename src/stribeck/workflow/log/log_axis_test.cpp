@@ -543,6 +543,13 @@ TEST(LogAxis, AColumnThatIsNamedASumIsThatOfAllMotors) {
     EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(0), 30.0) << name;
     EXPECT_THAT(axis.notes, Contains(HasSubstr("is taken for the sum of what they give"))) << name;
   }
+  // What one drive calls the total of its own setpoint.
+  std::string text = "t [s],y [mm],Y Current setpoint total [A]\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{},3\n", 0.001 * k, k);
+  workflow::LogOptions options{.axis = "y"};
+  options.drive.per_ampere = "20 N/A";
+  options.drive.motors = 2;
+  EXPECT_DOUBLE_EQ(workflow::logged_axis(log_of(text), options).runs.at(0).f.y.at(0), 60.0);
 }
 
 TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {

@@ -104,9 +104,13 @@ bool is_named_sum(const std::string& header) {
     if (!letter || begins) words.push_back(std::exchange(word, {}));
     if (letter) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  return std::any_of(words.begin(), words.end(), [](const std::string& w) {
-    return w == "sum" || w == "summe" || w == "total" || w == "combined" || w.starts_with("gesamt") ||
-           w.starts_with("summen");
+  // "Torque setpoint total" (r0079 of SINAMICS) is what one drive asks of its motor.
+  const std::string all = lower_case(header);
+  const auto has = [&](std::string_view what) { return all.find(what) != std::string::npos; };
+  const bool of_one = has("setpoint") || has("soll") || has("r0079") || has("r79");
+  return std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+    return w == "sum" || w == "summe" || w == "combined" || w.starts_with("summen") ||
+           (!of_one && (w == "total" || w.starts_with("gesamt")));
   });
 }
 

@@ -14,8 +14,7 @@
 namespace stribeck::workflow {
 namespace {
 
-constexpr double kRoundedRotor = 0.98;   // of its value in the data sheet
-constexpr double kRoundedTravel = 1.02;  // end stops lie behind the travel of a file
+constexpr double kRoundedRotor = 0.98;  // of its value in the data sheet
 
 /// What is heavy in an unbalance, and its distance, are a mass and a length on a rotary axis too.
 void set_rotary(io::Node& node) {
@@ -198,8 +197,8 @@ void require_force_limit(const MachineDescription& machine, const std::string& f
            name + ".drive] with rated_torque, peak_torque and lead)"});
 }
 
-std::string travel_contradiction(const AxisDescription& axis,
-                                 const std::vector<ident::log::Record>& records) {
+std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records,
+                                 double allowed) {
   const double from = axis.limits.travel_min, to = axis.limits.travel_max;
   if (axis.rotary && to - from > kPi) return {};  // turns may be counted on
   double low = std::numeric_limits<double>::infinity();
@@ -210,7 +209,7 @@ std::string travel_contradiction(const AxisDescription& axis,
     low = std::min(low, *least);
     high = std::max(high, *most);
   }
-  if (!(high - low > kRoundedTravel * (to - from)) || !(to > from)) return {};
+  if (!(high - low > allowed * (to - from)) || !(to > from)) return {};
   const double scale = axis.rotary ? 180.0 / kPi : 1e3;
   const char* const unit = axis.rotary ? "deg" : "mm";
   return fmt::format(

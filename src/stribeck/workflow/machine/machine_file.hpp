@@ -69,8 +69,10 @@ std::string load_contradiction(const AxisDescription& axis, double load);
 /// A sentence where logs hold a larger force than the drive makes; empty: they do not, or it is not known.
 std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
 
-/// A sentence where logs move farther than the axis can; empty: they do not, or it is not known.
-std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
+/// A sentence where logs move farther than `allowed` times the travel of the axis; empty: they do not, or it is not known. End stops lie
+/// a little behind the travel of a file.
+std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records,
+                                 double allowed = 1.02);
 
 /// A sentence where logs move faster than the axis may; empty: they do not, or it is not known.
 std::string speed_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);

@@ -82,7 +82,18 @@ class AxisStages {
     axis_.axis = logs_.axis;
   }
 
+  /// One axis that cannot be judged does not end the others.
   Axis run() {
+    try {
+      return judged();
+    } catch (const ident::Refused& e) {
+      refused(e.what());
+      return axis_;
+    }
+  }
+
+ private:
+  Axis judged() {
     if (logs_.logs.empty()) {
       axis_.open.push_back("no log of this axis");
       record("sine");
@@ -115,18 +126,21 @@ class AxisStages {
     return axis_;
   }
 
-  /// One axis that cannot be judged does not end the others.
-  const Axis& refused(const std::string& why) {
+  void refused(const std::string& why) {
+    refuse("the model cannot be used, and no axis file was written: " + why, logs_.logs);
+  }
+  void refuse(const std::string& why, const std::vector<std::string>& logs) {
     axis_.stage = CommissionStage::kRefused;
     axis_.axis_file.clear();
-    axis_.open.push_back(fmt::format("the model cannot be used, and no axis file was written: {}", why));
+    axis_.open.push_back(why);
+    const std::string path = options_.output + "/" + axis_.axis + ".toml";
+    if (std::error_code ignored; fs::exists(path, ignored))
+      axis_.open.push_back(path + " is still that of earlier logs");
     axis_.next = {fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
-                              report::shell_quoted(options_.machine), report::shell_quoted(logs_.logs),
-                              axis_.axis, axis_.axis)};
-    return axis_;
+                              report::shell_quoted(options_.machine), report::shell_quoted(logs), axis_.axis,
+                              axis_.axis)};
   }
 
- private:
   static bool is_named_verify(const std::string& log) {
     return name_in(log).find(kVerify) != std::string::npos;
   }
@@ -290,13 +304,12 @@ class AxisStages {
     what.logs = {axis_.held_out};
     what.limits = options_.limits;
     what.models = {{path, file}};
-    // With such a scale every number of the file would be wrong.
-    for (const std::string& why :
-         {travel_contradiction(description_, chosen.records.records), why_unreadable(text)}) {
-      if (why.empty()) continue;
-      refused(why);
-      return;
-    }
+    std::string why = why_unreadable(text);
+    // With such a scale every number of the file would be wrong. Each log by itself: they may have other zeros.
+    constexpr double kFarBeyond = 1.5;
+    for (const ident::log::Record& one : chosen.records.records)
+      if (why.empty()) why = travel_contradiction(description_, {one}, kFarBeyond);
+    if (!why.empty()) return refused(why);
     const report::VerifyReportInput judged = verify(what);
     const report::Verdict verdict = report::verdicts(judged).front();
     axis_.force_error = 100.0 * verdict.error;
@@ -310,14 +323,9 @@ class AxisStages {
       return;
     }
     if (!report::usable(judged)) {
-      axis_.stage = CommissionStage::kRefused;
-      axis_.open.push_back(fmt::format("the model fails on {} and is not promoted; expected at most {:g} %",
-                                       axis_.held_out, options_.limits.usable));
-      if (std::error_code ignored; fs::exists(path, ignored))
-        axis_.open.push_back(path + " is still that of earlier logs");
-      axis_.next.push_back(fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
-                                       report::shell_quoted(options_.machine),
-                                       report::shell_quoted(axis_.logs), axis_.axis, axis_.axis));
+      refuse(fmt::format("the model fails on {} and is not promoted; expected at most {:g} %", axis_.held_out,
+                         options_.limits.usable),
+             axis_.logs);
       return;
     }
     if (std::error_code ignored; fs::exists(path, ignored) && io::sha256_of_file(path) != own_)
@@ -341,14 +349,6 @@ class AxisStages {
   std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
   Axis axis_;
 };
-
-Axis staged(AxisStages stages) {
-  try {
-    return stages.run();
-  } catch (const ident::Refused& e) {
-    return stages.refused(e.what());
-  }
-}
 
 /// The logs of an axis that are no copies; a model that is verified on a copy is verified on itself.
 class Recordings {
@@ -486,7 +486,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
     std::string own;
     if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
       own = at->value("axis_file_sha256", "");
-    const Axis axis = staged(AxisStages(o, description.axis(logs.axis), logs, own));
+    const Axis axis = AxisStages(o, description.axis(logs.axis), logs, own).run();
     Json entry{{"key", key}, {"result", report::to_json(axis)}};
     entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
     state[logs.axis] = std::move(entry);
