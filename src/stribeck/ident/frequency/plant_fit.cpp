@@ -225,6 +225,27 @@ Fitted descend(const Data& data, Structure s, double slowest, Eigen::VectorXd st
   return {std::move(start), squares};
 }
 
+/// Starts with the antiresonance where the lines are deepest and the mass of the slow lines: one mass that fits neither side of an
+/// antiresonance is no start, and the resonance may lie above all lines.
+std::vector<Eigen::VectorXd> starts_by_antiresonance(const Data& data) {
+  std::vector<double> masses;  // of each line, for a double integrator
+  for (std::size_t i = 0; i < data.omega.size(); ++i)
+    masses.push_back(1.0 / (std::abs(data.response[i]) * data.omega[i] * data.omega[i]));
+  const auto deepest =
+      static_cast<std::size_t>(std::max_element(masses.begin(), masses.end()) - masses.begin());
+  std::vector<double> slow(masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(deepest / 2 + 1));
+  std::nth_element(slow.begin(), slow.begin() + static_cast<std::ptrdiff_t>(slow.size() / 2), slow.end());
+  std::vector<Eigen::VectorXd> starts;
+  for (const double above : {1.25, 1.7, 2.4, 4.0}) {
+    Eigen::VectorXd p(parameters_of(Structure::kTwoMassDrive));
+    const double w = data.omega[deepest];
+    p << std::log(slow[slow.size() / 2]), 0.0, 0.0, std::log(above * w), std::log(0.03), std::log(w),
+        std::log(0.03);
+    starts.push_back(std::move(p));
+  }
+  return starts;
+}
+
 /// Least squares from several starts: friction, delay, and where the resonance may be.
 Fitted fit(const Data& data, Structure s, double slowest, const Fitted* rigid) {
   Fitted best;
@@ -254,6 +275,9 @@ Fitted fit(const Data& data, Structure s, double slowest, const Fitted* rigid) {
       keep(descend(data, s, slowest, p));
     }
     return best;
+  }
+  if (s == Structure::kTwoMassDrive) {
+    for (const Eigen::VectorXd& p : starts_by_antiresonance(data)) keep(descend(data, s, slowest, p));
   }
   const double low = 2.0 * data.omega.front();
   const double high = std::min(1.2 * data.omega.back(), 0.98 * kPi / data.sample_time);
