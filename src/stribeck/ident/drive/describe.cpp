@@ -23,9 +23,9 @@ constexpr double kMostOfStribeckSpeed =
     0.5;  ///< share of the Stribeck speed: rows this slow show four fifths of the rise
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kFastStribeckSpeed = 0.05;   ///< [m/s]
-constexpr double kNoStribeckSpeed = 0.3;      ///< [m/s] and above: the bend of a viscous part that is no line
-constexpr double kSlowOfTop = 0.01;  ///< of the top speed: for angles in place of kUsualStribeckSpeed
-constexpr double kWorthSlow = 0.02;  ///< of the top speed: a curve that begins below it needs no word
+constexpr double kNoStribeckSpeed = 0.3;  ///< [m/s] faster than any Stribeck effect: a curved viscous part
+constexpr double kSlowOfTop = 0.01;       ///< of the top speed: for angles in place of kUsualStribeckSpeed
+constexpr double kWorthSlow = 0.02;       ///< of the top speed: a curve that begins below it needs no word
 constexpr double kMostUnseen =
     0.1;  ///< share of a parameter in directions without data that leaves it identifiable
 

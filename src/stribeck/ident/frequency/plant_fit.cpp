@@ -9,6 +9,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/least_squares.hpp>
 #include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
 
 namespace stribeck::ident::frequency {
@@ -225,22 +226,27 @@ Fitted descend(const Data& data, Structure s, double slowest, Eigen::VectorXd st
   return {std::move(start), squares};
 }
 
+/// The mass by each line, for a double integrator.
+std::vector<double> line_masses(const Data& data) {
+  std::vector<double> masses;
+  for (std::size_t i = 0; i < data.omega.size(); ++i)
+    masses.push_back(1.0 / (std::abs(data.response[i]) * data.omega[i] * data.omega[i]));
+  return masses;
+}
+
 /// Starts with the antiresonance where the lines are deepest and the mass of the slow lines: one mass that fits neither side of an
 /// antiresonance is no start, and the resonance may lie above all lines.
 std::vector<Eigen::VectorXd> starts_by_antiresonance(const Data& data) {
-  std::vector<double> masses;  // of each line, for a double integrator
-  for (std::size_t i = 0; i < data.omega.size(); ++i)
-    masses.push_back(1.0 / (std::abs(data.response[i]) * data.omega[i] * data.omega[i]));
+  const std::vector<double> masses = line_masses(data);
   const auto deepest =
       static_cast<std::size_t>(std::max_element(masses.begin(), masses.end()) - masses.begin());
-  std::vector<double> slow(masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(deepest / 2 + 1));
-  std::nth_element(slow.begin(), slow.begin() + static_cast<std::ptrdiff_t>(slow.size() / 2), slow.end());
+  const double mass =
+      stats::median({masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(deepest / 2 + 1)});
   std::vector<Eigen::VectorXd> starts;
   for (const double above : {1.25, 1.7, 2.4, 4.0}) {
     Eigen::VectorXd p(parameters_of(Structure::kTwoMassDrive));
     const double w = data.omega[deepest];
-    p << std::log(slow[slow.size() / 2]), 0.0, 0.0, std::log(above * w), std::log(0.03), std::log(w),
-        std::log(0.03);
+    p << std::log(mass), 0.0, 0.0, std::log(above * w), std::log(0.03), std::log(w), std::log(0.03);
     starts.push_back(std::move(p));
   }
   return starts;
@@ -253,10 +259,7 @@ Fitted fit(const Data& data, Structure s, double slowest, const Fitted* rigid) {
     if (f.squares < best.squares) best = std::move(f);
   };
   if (s == Structure::kRigid) {
-    // The mass by the median of the lines, for a double integrator.
-    std::vector<double> masses;
-    for (std::size_t i = 0; i < data.omega.size(); ++i)
-      masses.push_back(1.0 / (std::abs(data.response[i]) * data.omega[i] * data.omega[i]));
+    std::vector<double> masses = line_masses(data);
     std::nth_element(masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2),
                      masses.end());
     for (const double delay : {0.0, 1.0, 3.0}) {

@@ -41,7 +41,7 @@ struct Work {
 /// Why the machine has to stop; an empty `why`: there is no reason. Being switched off is a reason.
 struct Trouble {
   std::string why = {};
-  bool by_hand = false;  ///< somebody pressed the emergency stop or switched off: no fault explains it
+  bool by_hand = false;  ///< the emergency stop is active, or somebody switched the machine off
 
   [[nodiscard]] bool any() const noexcept { return !why.empty(); }
 };
