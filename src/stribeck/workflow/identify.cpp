@@ -267,8 +267,10 @@ Identification by_velocity(const IdentifyOptions& o, const Records& records) {
 }
 
 /// Fits the whole drive at once, for any motion.
-Identification by_drive_fit(const IdentifyOptions& o, const Records& records, Depth depth) {
+Identification by_drive_fit(const IdentifyOptions& o, const AxisRecords& axis, Depth depth) {
+  const Records& records = axis.records;
   ident::drive::DriveFitOptions options;
+  options.search_shift = !axis.as_commanded;
   options.dynamics = depth == Depth::kWhole;
   if (o.terms) options.terms = o.terms;
   if (o.model == ModelChoice::kConventional) options.most_terms = 0;
@@ -324,7 +326,7 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis, Dept
         "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
     return found;
   }
-  Identification found = by_drive_fit(o, axis.records, depth);
+  Identification found = by_drive_fit(o, axis, depth);
   if (mass_is_determined(found.result)) return found;
   std::optional<Identification> friction = friction_alone(o, axis);
   return friction ? std::move(*friction) : std::move(found);

@@ -303,6 +303,35 @@ TakenOff taken_off(const AxisRecords& axis, ident::residual::Diagnosis d, Method
   return out;
 }
 
+/// A table that swings on its drive for long looks like a shift of the force by many rows, which then hides most of it. The forces
+/// taken off the logs with the force as commanded; absent where that does not leave much less than `off`.
+std::optional<TakenOff> elastic_in_place_of_shift(const AxisRecords& axis, const Identification& found,
+                                                  const TakenOff& off, const Identify& method) {
+  constexpr double kMany = 1.5;     // rows away from a force that is held
+  constexpr double kAsGood = 1.05;  // ratio of residuals
+  const ident::Result& result = found.result;
+  if (!may_run_again(result.method) || result.given_shift || result.find("force_shift") == nullptr) return {};
+  const double away = ident::residual::shift_in_rows(result, axis.records.front().sample_time) + 0.5;
+  if (!(std::abs(away) > kMany)) return {};
+  AxisRecords held = axis;
+  held.as_commanded = true;
+  const ident::Result rigid = method(held, Depth::kSteady).result;
+  const ident::residual::Diagnosis d = ident::residual::diagnose(held.records, rigid, false);
+  if (!d.elastic) return {};
+  TakenOff rival = taken_off(held, d, result.method, method, false);
+  if (!rival.taken.elastic) return {};
+  // Without the swing the shift that the logs really have can be found.
+  rival.last->axis.as_commanded = false;
+  rival.last->found = method(rival.last->axis, Depth::kSteady);
+  rival.rms =
+      ident::residual::diagnose(rival.last->axis.records, rival.last->found.result, false).quality.rms;
+  const double own =
+      std::isnan(off.rms) ? ident::residual::diagnose(axis.records, result, false).quality.rms : off.rms;
+  // Where both hold a swing, the one that needs no shift is as simple as it can be.
+  if (!(rival.rms < (off.taken.elastic ? kAsGood : kMuchBetter) * own)) return {};
+  return rival;
+}
+
 /// `found`: by the method on these logs. `rounds`: how often rows with a force in one direction may be left out.
 Identification diagnosed(const AxisRecords& logged, Identification found, const Identify& method,
                          int rounds = 2) {
@@ -332,6 +361,8 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
     TakenOff rigid = taken_off(axis, d, found.result.method, method, true);
     if (kMuchBetter * rigid.rms < off.rms) off = std::move(rigid);
   }
+  if (std::optional<TakenOff> rival = elastic_in_place_of_shift(axis, found, off, method))
+    off = std::move(*rival);
   const ident::residual::Diagnosis& taken = off.taken;
   const std::optional<Cleaned>& last = off.last;
   d = std::move(off.left);
