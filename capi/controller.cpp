@@ -166,7 +166,7 @@ stribeck_result start(Controller<N>& c, double period) {
       softest = std::min(softest, std::sqrt(params.lambda[i] * a));
     }
     c.setup.compensation[i] = s.compensation;
-    c.setup.compensation[i].delay = s.compensation.model.delay;
+    c.setup.compensation[i].delay = s.compensation.model.delay_or_none();
     c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
     supervision[i] = s.supervision;
   }
@@ -191,7 +191,7 @@ stribeck_result configure(Controller<N>& c, double period) {
       c.problem.set({kAxis[i], key, ": ", what});
     });
     if (!sound) return STRIBECK_REFUSED;
-    if (!control::delay_fits(c.settings[i].compensation.model.delay, period)) {
+    if (!control::delay_fits(c.settings[i].compensation.model.delay_or_none(), period)) {
       c.problem.set({kAxis[i], "delay: longer than eight periods"});
       return STRIBECK_REFUSED;
     }

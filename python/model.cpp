@@ -112,6 +112,10 @@ std::string_view kind_of(const auto& laws) {
 
 std::string toml_of(const AxisFile& file) { return io::write_toml(file); }
 
+py::object number_or_none(const std::optional<double>& number) {
+  return number ? py::object(py::float_(*number)) : py::object(py::none());
+}
+
 }  // namespace
 
 py::object model_object(AxisFile file) { return py::cast(std::make_shared<AxisFile>(std::move(file))); }
@@ -127,8 +131,8 @@ void add_models(py::module_& module) {
       "load", [](const AxisFile& f) { return f.model.load; },
       "float: constant force against +x [N]; of a rotary axis [N m].");
   c.def_property_readonly(
-      "delay", [](const AxisFile& f) { return f.model.delay; },
-      "float: from the sample to the instant at which its force begins to act [s].");
+      "delay", [](const AxisFile& f) { return number_or_none(f.model.delay); },
+      "float: from the sample to the instant at which its force begins to act [s]; None where it is not known.");
   c.def_property_readonly(
       "axis", [](const AxisFile& f) { return f.axis ? str_of(*f.axis) : py::object(py::none()); },
       "str: name of the axis; None where it is not known.");

@@ -40,10 +40,11 @@ int tune(const TuneCommand& o) {
     run_tuning(tuning, [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
   const report::Made made = made_from(inputs);
-  write_json(o.common.json, report::to_json(tuning.result, tuning.spec, tuning.trade_off), made);
+  write_json(o.common.json,
+             report::to_json(tuning.result, tuning.spec, tuning.trade_off, tuning.parameters.assumed), made);
   report::write_tune_report(folders_of(o.common),
                             {tuning.result, tuning.spec, tuning.parameters.words, made.command, made.version,
-                             made.inputs, tuning.trade_off});
+                             made.inputs, tuning.trade_off, tuning.parameters.assumed});
   write_tuned(tuning, o.out, STRIBECK_VERSION);
   say(o.common, text_of(tuning));
   const std::string none = missed(tuning);

@@ -139,8 +139,8 @@ void add_late_laws(std::vector<Case>& all) {
                    [](Setup<2>& s) {
                      everywhere(s, Feedforward::kDynamic, Observer::kKalman, true);
                      apart(s);
-                     s.compensation[0].delay = s.compensation[0].model.delay = 0.6 * kPeriod;
-                     s.compensation[1].delay = s.compensation[1].model.delay = 2.3 * kPeriod;
+                     s.compensation[0].model.delay = s.compensation[0].delay = 0.6 * kPeriod;
+                     s.compensation[1].model.delay = s.compensation[1].delay = 2.3 * kPeriod;
                    },
                    {}});
   };
@@ -193,7 +193,7 @@ void add_compensations(std::vector<Case>& all) {
             y.integral_time = {};
             y.position_gain = 35.0;
             y.velocity_feedforward = 0.55;
-            s.compensation[0].delay = s.compensation[0].model.delay = 1.2 * kPeriod;
+            s.compensation[0].model.delay = s.compensation[0].delay = 1.2 * kPeriod;
           });
     }
   }

@@ -183,7 +183,7 @@ ModelDeviation change(stribeck::test::Numbers& n) {
 void add_model(const AxisModel& m, Sum& sum) {
   sum.add(m.mass);
   sum.add(m.load);
-  sum.add(m.delay);
+  sum.add(m.delay_or_none());
   for (const double v : {-14e-3, -4e-3, -0.5e-3, -1e-5, 1e-5, 0.4e-3, 3e-3, 12e-3}) {
     const auto p = m.friction.parts(v, 1e-3);
     sum.add(p.level);

@@ -114,7 +114,8 @@ struct Result {
   double mass = 0.0;                                             ///< [kg]
   Interval mass_interval;                                        ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
-  double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]; 0: none was found
+  std::optional<double>
+      delay{};  ///< from the command of a force to the beginning of its hold [s]; absent: the log does not tell it
   std::optional<double> given_shift{};     ///< given time by which the force is later than its motion [s]
   std::optional<ForceFilter> filter{};     ///< of the drive, that was taken off the force before the fit
   bool level_drifts = false;               ///< friction rises or falls over the time of a log

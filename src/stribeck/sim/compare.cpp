@@ -349,13 +349,13 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.guarded = which.feedforward != control::Feedforward::kSteady || which.adaptation.enabled;
     c.adaptation = which.adaptation;
     c.reversal = which.reversal;
-    if (!control::delay_fits(c.model.delay, machine.sample_time)) {
+    if (!control::delay_fits(c.model.delay_or_none(), machine.sample_time)) {
       throw Refused(
           fmt::format("axis {}: a delay of {:.4g} ms, expected at most {} control periods ({:.4g} ms)", name,
-                      c.model.delay * 1e3, control::kMostDelay,
+                      c.model.delay_or_none() * 1e3, control::kMostDelay,
                       static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3));
     }
-    c.delay = c.model.delay;
+    c.delay = c.model.delay_or_none();
     const NamePlate plate = axis.name_plate();
     c.encoder_resolution = plate.encoder_resolution;
     setup.force_limit[i] = plate.force;

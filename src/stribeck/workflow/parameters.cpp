@@ -261,7 +261,8 @@ void note_calmed(const sim::CompareResult& result, const std::vector<std::size_t
   for (const sim::CompareRow& row : result.rows) {
     if (row.travel != 0) continue;  // gains and delays are the same for all
     for (const std::size_t i : row.calmed) {
-      const double delay = parameters.knowledge[axes[i]].model(row.controller.friction, result.axes[i]).delay;
+      const double delay =
+          parameters.knowledge[axes[i]].model(row.controller.friction, result.axes[i]).delay_or_none();
       to.push_back(fmt::format(
           "axis {}: with a delay of {:.2g} control periods a loop with a Kalman observer is close to oscillating at these gains, so ({}) has a disturbance "
           "observer there, as (g) has; slower gains bring the other one back",
@@ -283,6 +284,19 @@ std::array<double, 2> told_speeds(const Parameters& parameters, std::size_t axis
 }
 
 }  // namespace
+
+std::vector<std::string> unknown_delays(const sim::Machine& machine, const Parameters& parameters) {
+  std::vector<std::string> all;
+  for (std::size_t i = 0; i < parameters.files.size(); ++i) {
+    const friction::AxisModel* model = parameters.files[i].empty() ? nullptr : parameters.knowledge[i].best();
+    if (model == nullptr || model->delay || model->drive_loop) continue;
+    all.push_back(fmt::format(
+        "axis {}: {} does not say the delay of the drive, so the margins count with none and the gains may be too high; write it there, "
+        "e.g. delay = \"{:.3g} ms\", from the data sheet of drive and fieldbus, or measure it (stribeck frequency with the commanded force)",
+        machine.axes[i].first, parameters.files[i], 2e3 * machine.sample_time));
+  }
+  return all;
+}
 
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters) {

@@ -28,6 +28,9 @@ struct Parameters {
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                           const ParameterOptions& options, const sim::CompareSpec& spec);
 
+/// Axis files that do not say the delay of the drive, on which every margin of a loop depends: one warning each.
+std::vector<std::string> unknown_delays(const sim::Machine& machine, const Parameters& parameters);
+
 /// Warns of axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine
 /// that the result has. There a change of friction that adaptation found says nothing about the machine: its verdict becomes
 /// that the model does not hold. At its reversals every axis is slow for a short time, which is no reason to warn. Of a file it is

@@ -76,7 +76,15 @@ kind = "static"
   EXPECT_NEAR(p.knowledge[0].gaussian->friction.parts(3e-3, 0.0).level, 45.0, 0.1);
   EXPECT_NEAR(p.knowledge[0].conventional->friction.parts(3e-3, 0.0).level, 40.0, 0.3);
   EXPECT_THAT(p.assumed, testing::Contains(testing::HasSubstr("axis y does not move here")));
+  EXPECT_THAT(unknown_delays(machine, p), testing::IsEmpty());
   EXPECT_THAT(p.assumed, testing::Not(testing::Contains(testing::HasSubstr("says that it is of axis"))));
+  std::string without = io::read_text(model);
+  without.erase(without.find("delay"), std::string("delay = \"0 ms\"\n").size());
+  options.axis_files = {"x=" + folder.write("no-delay.toml", without.c_str())};
+  EXPECT_THAT(
+      unknown_delays(machine, get_parameters(machine, machine_file, options, spec)),
+      testing::ElementsAre(testing::AllOf(testing::StartsWith("axis x: "),
+                                          testing::HasSubstr("does not say the delay of the drive"))));
   std::string other = io::read_text(model);
   other.replace(other.find("\"x\""), 3, "\"z\"");
   options.axis_files = {"x=" + folder.write("z.toml", other.c_str())};

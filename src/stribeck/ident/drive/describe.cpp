@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/steady_rows.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
@@ -255,16 +256,21 @@ void Description::write_shift() {
         "the drive smoothed the force before it was logged, by a filter of first order of %.3g ± %.2g ms or by a mean over about %.3g ms; the filter was taken off the force before the fit, and a shift that is printed is the one without it",
         1e3 * filter->time, 1e3 * filter->half_width, 1e3 * filter->time * std::sqrt(12.0)));
   }
-  if (options_.shift) result_.given_shift = *options_.shift * T;
+  if (options_.shift) {
+    result_.given_shift = *options_.shift * T;
+    result_.delay = delay_of(*options_.shift, T);
+  }
   if (!found_.terms.shift) {
-    if (half > kVagueShift) say("the force is taken as commanded, but");
+    if (half > kVagueShift)
+      say("the force is taken as commanded, but");
+    else if (!options_.shift)
+      result_.delay = 0.0;
     return;
   }
   const double shift = found_.log.shift;
-  // A held force belongs to the motion half a row later without any delay (motion.hpp). A measured force may be logged late, but
-  // it acts at once. A delay that the data do not determine is not passed on to a controller.
+  // A delay that the data do not determine is not passed on to a controller.
   const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
-  result_.delay = told ? std::max(0.0, (-shift - 0.5) * T) : 0.0;
+  if (told) result_.delay = delay_of(shift, T);
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;
   if (!told) say("the one with the smallest residual is removed, but");

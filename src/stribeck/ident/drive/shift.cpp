@@ -253,4 +253,9 @@ double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& te
       .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
 }
 
+std::optional<double> delay_of(double shift, double sample_time) {
+  const double delay = (kHeldForce - shift) * sample_time;
+  return delay >= 0.0 ? std::optional(delay) : std::nullopt;
+}
+
 }  // namespace stribeck::ident::drive

@@ -360,7 +360,8 @@ OwnFit Scored::best_fit(double expected) const {
 
 void Scored::fit_own() {
   const double T = record_.sample_time;
-  const double expected = -0.5 - model_.delay / T;  // a held force belongs to the motion half a row later
+  const double expected =
+      -0.5 - model_.delay_or_none() / T;  // a held force belongs to the motion half a row later
   const bool given = options_.shift.has_value();
   OwnFit fit = given ? fit_from(*options_.shift / T, true) : best_fit(expected);
   judge(fit);
@@ -416,7 +417,7 @@ void Scored::judge(const OwnFit& fit) {
   Index j = 0;
   if (X.cols() > 2 * std::ssize(phase)) {
     const double half = uncertainty.half_width(VectorXd::Unit(X.cols(), j++));
-    const double off = std::abs(shift + 0.5 + model_.delay / T);
+    const double off = std::abs(shift + 0.5 + model_.delay_or_none() / T);
     out_.shift_half = half * T;
     out_.shifted = std::isfinite(half) && std::abs(shift) < kMostShift && off > std::max(half, kWorthShift);
   }

@@ -231,7 +231,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec,
 }
 
 nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec,
-                               const sim::TradeOff& trade_off) {
+                               const sim::TradeOff& trade_off, const std::vector<std::string>& warnings) {
   const auto margins = [&](const sim::LoopMargins& m, const sim::LoopResponse& loop) {
     return Json{{"stable", m.stable},
                 {"phase_deg", number_or_null(m.phase * kDegrees)},
@@ -296,7 +296,9 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     out["controllers"].push_back(std::move(one));
   }
   out["trade_off"] = trade_off_json(trade_off, spec);
-  out["warnings"] = travel_warnings(spec.compare);
+  std::vector<std::string> all = warnings;
+  for (std::string& warning : travel_warnings(spec.compare)) all.push_back(std::move(warning));
+  out["warnings"] = std::move(all);
   return out;
 }
 
@@ -440,7 +442,8 @@ Page tune_report_page(const TuneReportInput& input) {
   Table gains;
   gains.columns = {
       {"", "", false}, {"gain", "", false}, {"own", "", true}, {"tuned", "", true}, {"unit", "", false}};
-  std::vector<std::string> warnings = travel_warnings(input.spec.compare);
+  std::vector<std::string> warnings = input.warnings;
+  for (std::string& warning : travel_warnings(input.spec.compare)) warnings.push_back(std::move(warning));
   for (const sim::TunedController& c : r.controllers) {
     for (const sim::TunedGain& g : c.gains) {
       gains.rows.push_back({{c.start.id},

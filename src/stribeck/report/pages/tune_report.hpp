@@ -25,8 +25,10 @@ std::string why_none(const sim::TunedController& controller, const sim::TuneSpec
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec,
                        const sim::TradeOff& trade_off = {});
 
+/// `warnings`: what the parameters assume; those of the paths are added.
 nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec,
-                               const sim::TradeOff& trade_off = {});
+                               const sim::TradeOff& trade_off = {},
+                               const std::vector<std::string>& warnings = {});
 
 struct TuneReportInput {
   sim::TuneResult result;
@@ -36,6 +38,7 @@ struct TuneReportInput {
   std::string version;
   std::vector<InputFile> inputs = {};  ///< that the result came from
   sim::TradeOff trade_off = {};
+  std::vector<std::string> warnings = {};  ///< what the parameters assume
 };
 
 std::string tune_report(const TuneReportInput& input);

@@ -40,12 +40,12 @@ sim::Machine machine_of(const std::array<friction::AxisModel, 2>& axes, double p
     a.plant.converter.range = 1e9;
     a.plant.encoder.resolution = 1e-9;
     a.plant.friction = known.friction;
-    const double periods = known.delay / period;
+    const double periods = known.delay_or_none() / period;
     if (!(periods <= kMostDelay)) {
       throw sim::Refused(fmt::format(
           "the delay of an axis, {:.4g} ms, is more than {} control periods of {:.4g} ms: the circle cannot be simulated (correct delay in "
           "the axis file, or the control period, --period)",
-          1e3 * known.delay, kMostDelay, 1e3 * period));
+          1e3 * known.delay_or_none(), kMostDelay, 1e3 * period));
     }
     a.plant.delay_periods = static_cast<int>(std::floor(periods));
     if (const double rest = periods - a.plant.delay_periods; rest > 1e-6) a.plant.delay_fraction = rest;

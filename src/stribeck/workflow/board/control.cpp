@@ -18,7 +18,7 @@ const std::vector<std::size_t> kBothAxes{0, 1};
 /// What a program is told of an axis.
 BoardAxis told(const friction::AxisModel& model, const sim::MachineAxis& axis, std::string model_file) {
   const sim::NamePlate plate = axis.name_plate();
-  BoardAxis a{model.mass, model.load, model.delay, plate.force, plate.encoder_resolution, 0.0, 0.0};
+  BoardAxis a{model.mass, model.load, model.delay_or_none(), plate.force, plate.encoder_resolution, 0.0, 0.0};
   a.model_file = std::move(model_file);
   std::visit(
       [&](const auto& law) {

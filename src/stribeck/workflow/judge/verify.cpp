@@ -208,7 +208,7 @@ std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& mo
     model.mass = m.model.mass;
     model.load = m.model.load;
     model.friction = m.model.friction;
-    model.given_shift = shift.value_or(-m.model.delay - 0.5 * record.sample_time);
+    model.given_shift = shift.value_or(-m.model.delay_or_none() - 0.5 * record.sample_time);
     const auto elastic = ident::residual::diagnose({record}, model).elastic;
     if (!elastic || std::abs(elastic->mass - model.mass) > kSameMass * model.mass) continue;
     ident::log::Record rigid = record;
@@ -358,7 +358,7 @@ class Verification {
     force.of_log = true;
     one.force = ident::replay::force_error(m.model, record, force);
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
-    const double expected = -0.5 * record.sample_time - m.model.delay;
+    const double expected = -0.5 * record.sample_time - m.model.delay_or_none();
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
                      notes);
     note_rest(m, one.force, notes);

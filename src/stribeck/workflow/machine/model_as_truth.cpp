@@ -85,13 +85,13 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
   truth.drive = plant::CurrentDrive{plate.force / kDrive, std::nullopt};
   truth.converter.range = kDrive;
   truth.encoder.resolution = plate.encoder_resolution;
-  const double periods = file.model.delay / sample_time;
+  const double periods = file.model.delay_or_none() / sample_time;
   if (!(periods <= kMostDelay)) {
     throw io::InputError(
         {axis_file, 0, "delay",
          fmt::format(
              "got {:.4g} ms, expected at most {:.4g} ms, {} control periods of {}, to simulate the axis",
-             1e3 * file.model.delay, 1e3 * kMostDelay * sample_time, kMostDelay, machine_file)});
+             1e3 * file.model.delay_or_none(), 1e3 * kMostDelay * sample_time, kMostDelay, machine_file)});
   }
   truth.delay_periods = static_cast<int>(std::floor(periods));
   truth.friction = file.model.friction;

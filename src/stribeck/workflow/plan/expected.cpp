@@ -133,7 +133,7 @@ StandIn::StandIn(const MachineDescription& machine, const std::string& file, std
   auto& [name, a] = machine_.axes[axis];
   sim::AxisFile model = known.empty() ? rough_model(a) : read_axis_file(known);
   constexpr double kDelay = 1.5;  // [periods]: how well a delay would be told shows where there is one
-  if (!(model.model.delay > 0.0)) model.model.delay = kDelay * machine.sample_time;
+  if (!(model.model.delay_or_none() > 0.0)) model.model.delay = kDelay * machine.sample_time;
   plant::AxisParams plant =
       model_as_truth(a, name, machine.sample_time, file, known.empty() ? file : known, model);
   constexpr double kNoise = 0.02;  // of friction
