@@ -81,7 +81,8 @@ void add_verify(CLI::App& app, Action& action) {
           "--force-shift", o->verify.force_shift,
           "Time by which the force is later in the log than its motion, without a filter of the drive; left out: found in the log, and said where it is not that of a commanded force")
       ->type_name("TIME");
-  verb->add_option("--good", o->verify.limits.good, "Largest error of the force of a good model, in percent")
+  verb->add_option("--good", o->verify.limits.good,
+                   "Largest error of the force of a good model, in percent; of its friction twice as much")
       ->check(number_from(0.0, 1000.0))
       ->capture_default_str();
   verb->add_option(

@@ -8,6 +8,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/model_force.hpp>
+#include <stribeck/ident/replay/moving_rows.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <utility>
@@ -86,6 +87,13 @@ class Scored {
     if (options_.of_log) share_of_log();
     fit_own();
     std::tie(out_.moving_relative, out_.moving_rms) = error_of(out_.modelled, load_, moving_);
+    friction::Model sliding = model_.friction;
+    sliding.eccentric.clear();
+    sliding.spring.reset();
+    const Column friction =
+        thin(friction_along(sliding, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load));
+    out_.friction =
+        friction_changes({out_.measured, out_.modelled, friction, out_.velocity, out_.acceleration}, moving_);
     return std::move(out_);
   }
 
@@ -150,17 +158,12 @@ class Scored {
     return log::position_noise(record_.x) * 2.0 * kPi * out_.cut_off * std::sqrt(share / 3.0);
   }
 
-  /// At rest a model without pre-sliding knows no force. A slow feed is no rest where the encoder shows it.
+  /// At rest a model without pre-sliding knows no force.
   void pick_moving_rows() {
-    constexpr double kRest = 0.01;       // of the top speed
-    constexpr double kSlowFeed = 0.001;  // of the top speed
-    constexpr double kShown = 5.0;       // times the noise
-    double top = 0.0;
-    for (const std::size_t i : used_) top = std::max(top, std::abs(motion_.v[out_.row[i]]));
-    const double least = std::min(kRest * top, std::max(kSlowFeed * top, kShown * velocity_noise()));
-    for (const std::size_t i : used_) {
-      if (std::abs(motion_.v[out_.row[i]]) >= least) moving_.push_back(i);
-    }
+    const RestRows rests{record_, out_.row, out_.velocity, velocity_noise(),
+                         record_.sample_time * static_cast<double>(out_.factor)};
+    moving_ = moving_rows(rests, used_);
+    fitted_ = moving_.size() < kFewestRows ? used_ : moving_;
     load_ = constant_force();
     out_.moving = moving_.size();
     out_.at_rest = 1.0 - static_cast<double>(out_.moving) / static_cast<double>(used_.size());
@@ -196,12 +199,12 @@ class Scored {
     if (!bristles) {
       for (const double distance : {4e-6, 20e-6}) columns.push_back(risen_over(distance)), ++risen_;
     }
-    MatrixXd X(static_cast<Index>(used_.size()), std::ssize(columns));
+    MatrixXd X(static_cast<Index>(fitted_.size()), std::ssize(columns));
     for (Index j = 0; j < X.cols(); ++j) {
       const Column c = thin(columns[static_cast<std::size_t>(j)]);
-      for (std::size_t i = 0; i < used_.size(); ++i) X(static_cast<Index>(i), j) = c[used_[i]];
+      for (std::size_t i = 0; i < fitted_.size(); ++i) X(static_cast<Index>(i), j) = c[fitted_[i]];
       const double norm = X.col(j).norm();
-      if (norm > 0.0) X.col(j) *= std::sqrt(static_cast<double>(used_.size())) / norm;
+      if (norm > 0.0) X.col(j) *= std::sqrt(static_cast<double>(fitted_.size())) / norm;
     }
     return X;
   }
@@ -211,11 +214,11 @@ class Scored {
     const auto& terms = model_.friction.eccentric;
     const Index first = shift_known ? 0 : 1;
     const Index behind = first + 2 * static_cast<Index>(terms.size());
-    MatrixXd X(static_cast<Index>(used_.size()), behind + (shift_known ? 0 : errors_.cols()));
+    MatrixXd X(static_cast<Index>(fitted_.size()), behind + (shift_known ? 0 : errors_.cols()));
     if (!shift_known) X.rightCols(errors_.cols()) = errors_;
     const auto put = [&](Index j, const Column& column) {
       const Column c = thin(column);
-      for (std::size_t i = 0; i < used_.size(); ++i) X(static_cast<Index>(i), j) = -c[used_[i]];
+      for (std::size_t i = 0; i < fitted_.size(); ++i) X(static_cast<Index>(i), j) = -c[fitted_[i]];
     };
     if (first > 0) put(0, derivative(modelled, 1.0));
     Index j = first;
@@ -249,6 +252,7 @@ class Scored {
   Column filed_;                     ///< force of the model as it stands, at every row [N]
   std::vector<std::size_t> used_;    ///< decimated rows that count
   std::vector<std::size_t> moving_;  ///< those in which the axis moves
+  std::vector<std::size_t> fitted_;  ///< those that tell shift and phases: of a rest nothing is known
   MatrixXd errors_;                  ///< errors_of_model()
   Index risen_ = 0;                  ///< columns of pre-sliding, the last ones of them
   double load_ = 0.0;                ///< constant force of the log [N]
@@ -291,8 +295,8 @@ std::optional<double> Scored::far_shift(double from) const {
   plain.eccentric.clear();
   const Column modelled = model_.friction.eccentric.empty() ? filed_ : force_of(plain, motion_);
   const Column model_thin = thin(modelled), slope = thin(derivative(modelled, 1.0));
-  VectorXd late(static_cast<Index>(used_.size())), e(late.size());
-  for (Index i = 0; i < late.size(); ++i) late(i) = -slope[used_[static_cast<std::size_t>(i)]];
+  VectorXd late(static_cast<Index>(fitted_.size())), e(late.size());
+  for (Index i = 0; i < late.size(); ++i) late(i) = -slope[fitted_[static_cast<std::size_t>(i)]];
   const double whole = late.squaredNorm();
   // From far off, the first step would take a late force for pre-sliding.
   const MatrixXd sliding = errors_.leftCols(errors_.cols() - risen_);
@@ -303,7 +307,7 @@ std::optional<double> Scored::far_shift(double from) const {
   for (int pass = 0; pass < kFarPasses; ++pass) {
     const Column measured = thin(log::align_force(record_.f, shift));
     for (Index i = 0; i < e.size(); ++i) {
-      const std::size_t row = used_[static_cast<std::size_t>(i)];
+      const std::size_t row = fitted_[static_cast<std::size_t>(i)];
       e(i) = measured[row] - model_thin[row];
     }
     const double step = std::clamp(late.dot(e) / square, -kFarStep, kFarStep);
@@ -318,7 +322,7 @@ OwnFit Scored::fit_from(double shift, bool shift_known) const {
   fit.shift = shift;
   friction::Model friction = model_.friction;
   for (const auto& term : friction.eccentric) fit.phase.push_back(term.phase);
-  fit.e.resize(static_cast<Index>(used_.size()));
+  fit.e.resize(static_cast<Index>(fitted_.size()));
   Column whole = filed_, modelled = thin(whole);
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = fit.phase[j];
@@ -327,9 +331,9 @@ OwnFit Scored::fit_from(double shift, bool shift_known) const {
       modelled = thin(whole);
     }
     const Column measured = thin(log::align_force(record_.f, fit.shift));
-    for (std::size_t i = 0; i < used_.size(); ++i)
-      fit.e(static_cast<Index>(i)) = measured[used_[i]] - modelled[used_[i]];
-    fit.rms = fit.e.norm() / std::sqrt(static_cast<double>(used_.size()));
+    for (std::size_t i = 0; i < fitted_.size(); ++i)
+      fit.e(static_cast<Index>(i)) = measured[fitted_[i]] - modelled[fitted_[i]];
+    fit.rms = fit.e.norm() / std::sqrt(static_cast<double>(fitted_.size()));
     if (pass == 0 || !fit.phase.empty()) fit.X = regressors(whole, shift_known);
     if (fit.X.cols() == 0) break;
     fit.step = stats::least_squares(fit.X, fit.e).x;
@@ -413,7 +417,8 @@ void Scored::judge(const OwnFit& fit) {
   out_.phases.clear();
   if (X.cols() == 0) return;
   const MatrixXd inverse = stats::pseudo_inverse(stats::gram(X));
-  const stats::Uncertainty uncertainty(X, e - X * step, inverse, std::vector<int>(used_.size(), 0), used_);
+  const stats::Uncertainty uncertainty(X, e - X * step, inverse, std::vector<int>(fitted_.size(), 0),
+                                       fitted_);
   Index j = 0;
   if (X.cols() > 2 * std::ssize(phase)) {
     const double half = uncertainty.half_width(VectorXd::Unit(X.cols(), j++));

@@ -33,6 +33,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/replay/friction_change.hpp>
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
@@ -79,6 +80,7 @@ struct ForceError {
   double moving_rms = kNaN;       ///< [N]
   double of_log = kNaN;           ///< largest share of the force that this record makes a right model miss
   double of_log_moving = kNaN;    ///< the same of the rows in which the axis moves
+  FrictionChanges friction;       ///< of the record, beside that of the model
   std::vector<RecordPhase> phases;
   double cut_off = kNaN;             ///< that was used [Hz]
   double band = kNaN;                ///< up to which the decimated rows are flat [Hz]

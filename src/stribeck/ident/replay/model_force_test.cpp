@@ -92,6 +92,39 @@ TEST(ForceError, AWeightDoesNotHideWhatAModelMisses) {
   EXPECT_NEAR(heavy.moving_relative, level.moving_relative, 1e-3);
 }
 
+// Friction that is 40 % more makes a small part of the force of a heavy mass; a wrong mass, load or homing is no friction.
+TEST(ForceError, FrictionCountsBesideAHeavyMass) {
+  Truth truth;
+  truth.mass = 1500.0;
+  truth.ripple = 0.0;
+  Truth sticky = truth;
+  sticky.coulomb *= 1.4;
+  sticky.viscous *= 1.4;
+  friction::AxisModel model = model_of(truth);
+  model.friction.eccentric.clear();
+  const ForceError e = force_error(model, sine_log(sticky, -0.5e-3, 1.0));
+  EXPECT_LT(e.own_relative, 0.1);
+  for (const FrictionChange& change : {e.friction.slow, e.friction.fast}) {
+    EXPECT_NEAR(change.share, 0.4, 0.02);
+    EXPECT_LT(change.half_width, 0.03);
+    EXPECT_NEAR(change.certain(), 0.4, 0.04);
+  }
+  sticky.viscous = truth.viscous;
+  const FrictionChanges level = force_error(model, sine_log(sticky, -0.5e-3, 1.0)).friction;
+  EXPECT_GT(level.slow.share, level.fast.share + 0.05);
+  // 8 N of 20 N and what the viscous part is at this speed.
+  for (const FrictionChange& change : {level.slow, level.fast})
+    EXPECT_NEAR(change.share, 8.0 / (20.0 + 200.0 * change.speed), 0.02);
+  model.mass *= 0.9;
+  model.load += 30.0;
+  const ForceError other = force_error(model, sine_log(truth, -0.5e-3, 1.0, 0.2));
+  EXPECT_GT(other.own_relative, 0.08);
+  for (const FrictionChange& change : {other.friction.slow, other.friction.fast}) {
+    EXPECT_LT(std::abs(change.share), 0.03);
+    EXPECT_LT(change.certain(), 0.01);
+  }
+}
+
 TEST(ForceError, FindsTheShiftOfTheRecord) {
   const Truth truth;
   for (const double late : {-0.5e-3, 0.0, 3.3e-3, 12e-3}) {

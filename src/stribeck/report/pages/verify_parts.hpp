@@ -20,6 +20,6 @@ Table score_table(const VerifiedPart& part);
 /// The best models of a part, in words.
 std::string summary(const VerifiedPart& part);
 /// The verdict in one line.
-std::string sentence(const Verdict& verdict, const GradeLimits& limits);
+std::string sentence(const Verdict& verdict, const VerifyReportInput& input);
 
 }  // namespace stribeck::report

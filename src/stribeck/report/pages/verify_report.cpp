@@ -197,7 +197,7 @@ Page verify_report_page(const VerifyReportInput& given) {
   Page page(
       input.axis.empty() ? "Models verified on a log" : "Models of axis " + input.axis + " verified on a log",
       joined(about, " · "));
-  for (const Verdict& v : verdicts(input)) page.lead(sentence(v, input.limits));
+  for (const Verdict& v : verdicts(input)) page.lead(sentence(v, input));
   std::vector<KeyNumber> numbers;
   for (const Verdict& v : verdicts(input)) {
     if (numbers.size() < 3)

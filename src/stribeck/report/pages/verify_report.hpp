@@ -47,8 +47,9 @@ struct VerifiedPart {
   std::optional<ident::replay::ControllerCheck> controller = {};
 };
 
-/// Largest error of the force [%].
+/// Largest error of the force [%]. Friction may be further off: it is a part of the force, and changes with temperature and load.
 struct GradeLimits {
+  static constexpr double kOfFriction = 2.0;  ///< limit of friction over that of the force
   double good = 5.0;
   double usable = 15.0;
 };
@@ -65,6 +66,7 @@ struct Verdict {
   bool moving = false;  ///< of the force where the axis moves: rests would make most of the error
   bool of_force = true;
   double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
+  ident::replay::FrictionChange friction{};                  ///< of the logs, beside that of the model
   Grade grade = Grade::kNotUsable;
 };
 

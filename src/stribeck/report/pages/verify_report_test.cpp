@@ -139,6 +139,38 @@ TEST(VerifyReport, JudgesWhereTheAxisMovesIfRestsMakeTheError) {
   EXPECT_FALSE(verdicts(in)[1].moving);
 }
 
+// A motion of much acceleration hides wrong friction from the error of the force.
+TEST(VerifyReport, FrictionThatIsOffLowersTheVerdict) {
+  VerifyReportInput in = two_models(false);
+  ident::replay::FrictionChange& friction = in.parts[0].models[0].force.friction.slow;
+  friction = {0.12, 0.05, 0.01};
+  EXPECT_EQ(verdicts(in)[0].grade, Grade::kGood);
+  friction = {-0.12, 0.005, 0.01};
+  EXPECT_EQ(verdicts(in)[0].grade, Grade::kUsable);
+  EXPECT_THAT(text_table(in),
+              HasSubstr("a.toml is usable: error of the force 2.00 % (good up to 5 %, usable up to "
+                        "15 %), but friction at 10 mm/s is 12 ± 0.5 % less than that of the file (good up "
+                        "to 10 %, usable up to 30 %).\n"));
+  EXPECT_EQ(to_json(in)["verdicts"][0]["friction_more_percent"], -12.0);
+  friction = {0.4, 0.005, 0.01};
+  EXPECT_EQ(verdicts(in)[0].grade, Grade::kNotUsable);
+  EXPECT_FALSE(usable(in));
+  in.limits.usable = 25.0;
+  EXPECT_TRUE(usable(in));
+}
+
+// Two parts: the one that tells friction better counts more.
+TEST(VerifyReport, FrictionOfAllPartsIsWeighedByWhatTheyTell) {
+  VerifyReportInput in = two_models(false);
+  in.parts.push_back(in.parts[0]);
+  in.parts[0].models[0].force.friction.fast = {0.3, 0.1, 0.1};
+  in.parts[1].models[0].force.friction.fast = {0.0, 0.01, 0.1};
+  const Verdict v = verdicts(in)[0];
+  EXPECT_NEAR(v.friction.share, 0.003, 2e-4);
+  EXPECT_LT(v.friction.half_width, 0.01);
+  EXPECT_EQ(v.grade, Grade::kGood);
+}
+
 // An error that the log explains is no verdict on the model.
 TEST(VerifyReport, LeavesUndecidedWhatTheLogCannotTell) {
   VerifyReportInput in = two_models(false);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
@@ -113,6 +114,13 @@ Json force_json(const ident::replay::ForceError& e) {
   out["at_rest_percent"] = number_or_null(100.0 * e.at_rest);
   out["moving_error_percent"] = number_or_null(100.0 * e.moving_relative);
   out["of_log_percent"] = number_or_null(100.0 * e.of_log);
+  const auto change = [&](const std::string& name, const ident::replay::FrictionChange& c) {
+    out[name + "_friction_more_percent"] = number_or_null(100.0 * c.share);
+    out[name + "_friction_more_half_width_percent"] = number_or_null(100.0 * c.half_width);
+    out[name + "_friction_at_mm_per_s"] = number_or_null(1e3 * c.speed);
+  };
+  change("slow", e.friction.slow);
+  change("fast", e.friction.fast);
   out["shift_ms"] = number_or_null(1e3 * e.shift);
   out["shift_half_width_ms"] = number_or_null(1e3 * e.shift_half);
   out["shift_differs"] = e.shifted;
@@ -194,14 +202,59 @@ std::string_view name_of(Grade grade) noexcept {
 
 namespace {
 
-/// The part of the error that the log itself causes does not count against the model.
-Grade grade_of(const Verdict& v, const GradeLimits& limits) {
+/// By the force alone. The part of the error that the log itself causes does not count against the model.
+Grade grade_of_force(const Verdict& v, const GradeLimits& limits) {
   if (!std::isfinite(v.error)) return Grade::kUndecided;
   if (100.0 * v.error <= limits.good) return Grade::kGood;
   if (100.0 * v.error <= limits.usable) return Grade::kUsable;
   const double of_log = std::isfinite(v.of_log) ? v.of_log : 0.0;
   const double of_model = std::sqrt(std::max(0.0, v.error * v.error - of_log * of_log));
   return 100.0 * of_model <= limits.usable ? Grade::kUndecided : Grade::kNotUsable;
+}
+
+/// Friction of the logs that differs for certain by more than its limit.
+bool friction_beyond(const Verdict& v, double limit) {
+  return 100.0 * v.friction.certain() > GradeLimits::kOfFriction * limit;
+}
+
+/// The force of a motion of much acceleration is that of the mass: friction counts beside it.
+Grade grade_of(const Verdict& v, const GradeLimits& limits) {
+  const Grade by_force = grade_of_force(v, limits);
+  if (friction_beyond(v, limits.usable)) return Grade::kNotUsable;
+  return by_force == Grade::kGood && friction_beyond(v, limits.good) ? Grade::kUsable : by_force;
+}
+
+/// Of all parts, each with the weight of its interval.
+struct PooledFriction {
+  double sum = 0.0, speed = 0.0, weight = 0.0;
+
+  void add(const ident::replay::FrictionChange& c) {
+    if (!std::isfinite(c.share) || !(c.half_width > 0.0)) return;
+    const double w = 1.0 / (c.half_width * c.half_width);
+    sum += w * c.share, speed += w * c.speed, weight += w;
+  }
+  [[nodiscard]] ident::replay::FrictionChange change() const {
+    if (!(weight > 0.0)) return {};
+    return {sum / weight, std::sqrt(1.0 / weight), speed / weight};
+  }
+};
+
+/// The one that leaves more beyond its interval; the other one where it is not told.
+ident::replay::FrictionChange larger(const ident::replay::FrictionChange& a,
+                                     const ident::replay::FrictionChange& b) {
+  if (!std::isfinite(a.share)) return b;
+  return b.certain() > a.certain() ? b : a;
+}
+
+/// Friction that the verdict is lower for, in words; empty: none.
+std::string friction_in_words(const Verdict& v, const VerifyReportInput& input) {
+  if (!friction_beyond(v, input.limits.good)) return {};
+  const ident::Shown shown(input.parts.front().record);
+  return fmt::format(
+      ", but friction at {} is {:.3g} ± {:.2g} % {} than that of the file (good up to {} %, usable up to {} %)",
+      shown.speed(v.friction.speed), 100.0 * std::abs(v.friction.share), 100.0 * v.friction.half_width,
+      v.friction.share > 0.0 ? "more" : "less", short_number(GradeLimits::kOfFriction * input.limits.good),
+      short_number(GradeLimits::kOfFriction * input.limits.usable));
 }
 
 }  // namespace
@@ -214,6 +267,7 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
       return i < p.models.size() && p.models[i].force.of_rests();
     });
     Pooled force, velocity, of_log;
+    PooledFriction slow, fast;
     for (const VerifiedPart& part : input.parts) {
       if (i >= part.models.size()) continue;
       const VerifiedModel& m = part.models[i];
@@ -224,6 +278,7 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
       const std::size_t rows = moving ? f.moving : f.row.size();
       force.add(relative, rms, rows);
       of_log.add(noise, noise * rms / relative, rows);
+      slow.add(f.friction.slow), fast.add(f.friction.fast);
       velocity.add(m.open.restarted.velocity_relative, m.open.restarted.velocity_rms, part.record.x.size());
     }
     Verdict v;
@@ -232,6 +287,7 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
     v.moving = v.of_force && moving;
     v.error = v.of_force ? force.share() : velocity.share();
     if (v.of_force) v.of_log = of_log.share();
+    v.friction = larger(slow.change(), fast.change());
     v.grade = grade_of(v, input.limits);
     all.push_back(std::move(v));
   }
@@ -244,7 +300,8 @@ bool usable(const VerifyReportInput& input) {
                      [](const Verdict& v) { return v.grade == Grade::kGood || v.grade == Grade::kUsable; });
 }
 
-std::string sentence(const Verdict& v, const GradeLimits& limits) {
+std::string sentence(const Verdict& v, const VerifyReportInput& input) {
+  const GradeLimits& limits = input.limits;
   if (!std::isfinite(v.error))
     return v.name + " is undecided: the log is too short to compare forces, and no run in open loop is left.";
   if (v.grade == Grade::kUndecided) {
@@ -253,10 +310,10 @@ std::string sentence(const Verdict& v, const GradeLimits& limits) {
         v.name, percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
         short_number(limits.usable), percent(v.of_log));
   }
-  return fmt::format("{} is {}: error of the {} {} %{} (good up to {} %, usable up to {} %).", v.name,
+  return fmt::format("{} is {}: error of the {} {} %{} (good up to {} %, usable up to {} %){}.", v.name,
                      name_of(v.grade), v.of_force ? "force" : "velocity", percent(v.error),
                      v.moving ? " where the axis moves" : "", short_number(limits.good),
-                     short_number(limits.usable));
+                     short_number(limits.usable), friction_in_words(v, input));
 }
 
 Table score_table(const VerifiedPart& part) {
@@ -337,7 +394,7 @@ std::string text_table(const VerifyReportInput& given) {
         "as the EMPS benchmark does; as filed: force aligned, in % of the force less the load; phases: of\n"
         "periodic terms, from the log. stroke: open loop, anew at each reversal. free run: largest drift, and\n"
         "what the error of the force explains (95 %). loop: closed loop.\n";
-    for (const Verdict& v : verdicts(input)) out += clean_text(sentence(v, input.limits)) + '\n';
+    for (const Verdict& v : verdicts(input)) out += clean_text(sentence(v, input)) + '\n';
   }
   for (const std::string& w : input.warnings) out += "warning: " + clean_text(w) + '\n';
   return out;
@@ -358,6 +415,9 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
                       {"force_error_percent", v.of_force ? number_or_null(100.0 * v.error) : Json(nullptr)},
                       {"where_it_moves", v.moving},
                       {"of_log_percent", number_or_null(100.0 * v.of_log)},
+                      {"friction_more_percent", number_or_null(100.0 * v.friction.share)},
+                      {"friction_more_half_width_percent", number_or_null(100.0 * v.friction.half_width)},
+                      {"friction_at_mm_per_s", number_or_null(1e3 * v.friction.speed)},
                       {"verdict", std::string(name_of(v.grade))}});
   }
   out["verdicts"] = std::move(judged);
