@@ -438,6 +438,28 @@ TEST(Condition, StampsMayJitterWhereTheRowsDoNot) {
   EXPECT_EQ(c.records[0].f, log.f.y);
 }
 
+// Two stamps that jitter may be 1.7 steps apart. A row that is missing moves all stamps behind it.
+TEST(Condition, ALateStampAmongOthersIsNoMissingRow) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-3.5e-4, 3.5e-4);
+  RawLog log = logged();
+  for (std::size_t k = 1; k + 2 < log.x.t.size(); ++k) log.x.t[k] += shake(engine);
+  std::size_t late = 0;
+  for (std::size_t k = 1; k < log.x.t.size(); ++k) late += log.x.t[k] - log.x.t[k - 1] > 1.5e-3 ? 1 : 0;
+  ASSERT_GT(late, 50U);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "jitter").text, HasSubstr("the motion is that of equally spaced rows"));
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_EQ(c.records[0].x, log.x.y);
+  const std::size_t rows = log.x.y.size();
+  for (auto* column : {&log.x.t, &log.x.y, &log.v.y, &log.f.y}) column->erase(column->begin() + 4000);
+  const Conditioned lost = condition(log);
+  EXPECT_THAT(kinds(lost), Contains("gap")) << texts(lost);
+  std::size_t kept = 0;
+  for (const Record& r : lost.records) kept += r.x.size();
+  EXPECT_GT(kept, rows - 20);
+}
+
 // At rest a coarse position changes by single steps. Resampled, it has values between them, which are no motion.
 TEST(Condition, RestInAResampledLogIsNoFrozenLogger) {
   std::mt19937_64 engine(7);

@@ -14,6 +14,7 @@ namespace stribeck::ident::log::parts {
 namespace {
 
 constexpr double kGap = 1.5;
+constexpr double kLeastJitter = 0.02;  // of a step, in a tenth of the rows
 constexpr std::size_t kMostSteps = 50000;
 constexpr std::size_t kRareRepeats = 20;  ///< one stamp in so many that stands still is a fault of the logger
 
@@ -267,10 +268,18 @@ Table with_assumed_steps(Table piece, Sampling& sampling, Notes& notes) {
   return piece;
 }
 
-/// When a logger is stopped it writes one more row, too early.
+/// What a tenth of the steps are off by, as a share of a step.
+double usual_jitter(const std::vector<double>& t, double step) {
+  std::vector<double> off;
+  const std::size_t stride = std::max<std::size_t>(1, t.size() / kMostSteps);
+  for (std::size_t k = 1; k < t.size(); k += stride) off.push_back(std::abs((t[k] - t[k - 1]) / step - 1.0));
+  return stats::thinned_quantile(std::move(off), 0.9);
+}
+
+/// When a logger is stopped it writes one more row, too early. Among stamps that jitter an early one is none.
 Table without_early_last_row(Table part, double T, Notes& notes) {
   if (part.rows() <= kFewestRows || part.t.back() - part.t[part.rows() - 2] >= 0.9 * T ||
-      !notes.wanted("jitter"))
+      usual_jitter(part.t, T) > kLeastJitter || !notes.wanted("jitter"))
     return part;
   notes.add("jitter", part, part.rows() - 1, true,
             fmt::format("the last row comes {:.3g} s after the one before, {:.4g} s is usual; left out",
@@ -406,19 +415,38 @@ namespace {
 /// Stamps that a computer gives to rows when they arrive may come in the wrong order by a part of a step. Where all of them jitter, such a
 /// stamp is put right behind the one before; one among stamps that are even is an error and stays.
 void mend_order_of_jittering_stamps(Table& m) {
-  constexpr double kMostBack = 0.5;      // steps
-  constexpr double kLeastJitter = 0.02;  // of a step, in a tenth of the rows
-  constexpr double kBehind = 1e-3;       // steps
+  constexpr double kMostBack = 0.5;  // steps
+  constexpr double kBehind = 1e-3;   // steps
   bool any = false;
   for (std::size_t k = 1; k < m.rows(); ++k) any = any || m.t[k] < m.t[k - 1];
   if (!any) return;
   const double T = median_step(m.t);
-  std::vector<double> off;
-  const std::size_t stride = std::max<std::size_t>(1, m.rows() / kMostSteps);
-  for (std::size_t k = 1; k < m.rows(); k += stride) off.push_back(std::abs((m.t[k] - m.t[k - 1]) / T - 1.0));
-  if (!(T > 0.0) || stats::thinned_quantile(std::move(off), 0.9) < kLeastJitter) return;
+  if (!(T > 0.0) || usual_jitter(m.t, T) < kLeastJitter) return;
   for (std::size_t k = 1; k < m.rows(); ++k) {
     if (m.t[k] < m.t[k - 1] && m.t[k - 1] - m.t[k] < kMostBack * T) m.t[k] = m.t[k - 1] + kBehind * T;
+  }
+}
+
+/// Stamps of rows by a clock that jitters may be as far apart as if a row were missing. A row that is missing moves all stamps behind it by
+/// a step, jitter does not: where the stamps behind go on as those before, the late one is put back to where no gap begins.
+void mend_late_jittering_stamps(Table& m) {
+  constexpr std::size_t kAround = 21;  // rows, either way
+  constexpr double kNoRow = 0.5;       // steps by which the stamps go on later, at most
+  if (m.rows() < 4 * kAround) return;
+  const double T = median_step(m.t);
+  if (!(T > 0.0) || !(usual_jitter(m.t, T) > kLeastJitter)) return;
+  // Time of row k by the rows from `from` to before `to` [steps].
+  const auto expected = [&](std::size_t from, std::size_t to, std::size_t k) {
+    std::vector<double> at;
+    for (std::size_t i = from; i < to; ++i)
+      at.push_back(m.t[i] / T + static_cast<double>(k) - static_cast<double>(i));
+    return stats::median(std::move(at));
+  };
+  for (std::size_t k = 1; k < m.rows(); ++k) {
+    if (!(m.t[k] - m.t[k - 1] > kGap * T)) continue;
+    const double later =
+        expected(k, std::min(m.rows(), k + kAround), k) - expected(k - std::min(k, kAround), k, k);
+    if (later < kNoRow) m.t[k] = std::max(std::nextafter(m.t[k - 1], m.t[k]), m.t[k - 1] + 0.99 * kGap * T);
   }
 }
 
@@ -429,6 +457,7 @@ std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
   drop_repeated_rows(m, notes);
   mend_double_stamps(m, notes);
   mend_order_of_jittering_stamps(m);
+  mend_late_jittering_stamps(m);
   std::vector<std::size_t> starts{0};
   for (std::size_t k = 1; k < m.rows(); ++k) {
     if (m.t[k] < m.t[k - 1]) starts.push_back(k);

@@ -1,4 +1,4 @@
-// A position that is smoother than any loop could make it: the reference was logged as position.
+// The reference was logged as position: it is the same in every row, or smoother than any loop could make it.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -50,10 +50,41 @@ double roughness(const std::vector<double>& y, std::size_t k, const Basis& q) {
   return std::sqrt(square / kWindow);
 }
 
+/// Rows in which the reference moves, and those of them in which the position has the same value.
+struct SameRows {
+  std::size_t moving = 0, same = 0;
+};
+SameRows rows_on_reference(const std::vector<Table>& tables) {
+  SameRows out;
+  for (const Table& m : tables) {
+    if (m.r.size() != m.x.size()) continue;
+    for (std::size_t k = 1; k < m.rows(); ++k) {
+      if (m.r[k] == m.r[k - 1]) continue;
+      ++out.moving;
+      out.same += m.x[k] == m.r[k] ? 1 : 0;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void name_commanded_position(const std::vector<Table>& tables, const RoughFit& rough, Notes& notes) {
-  if (!notes.wanted("commanded") || !rough.good || !rough.mass_shows || !(rough.mass > 0.0)) return;
+  constexpr std::size_t kFewestSame = 200;
+  if (!notes.wanted("commanded")) return;
+  const SameRows rows = rows_on_reference(tables);
+  if (rows.same >= kFewestSame && 20 * rows.same >= 19 * rows.moving) {
+    notes.add_all(
+        "commanded", tables.front().source, false,
+        fmt::format(
+            "the position has the value of its reference in {} of {} rows in which that moves, and no loop follows so exactly: the "
+            "command was logged twice, or the axis is simulated by the control; friction at reversals, pre-sliding and the "
+            "shift of the force are then wrong: map the column of the actual position (--map x=…)",
+            rows.same, rows.moving),
+        {static_cast<double>(rows.same), static_cast<double>(rows.moving)});
+    return;
+  }
+  if (!rough.good || !rough.mass_shows || !(rough.mass > 0.0)) return;
   const Basis q = polynomials();
   double fastest = 0.0;
   for (const Table& m : tables) {

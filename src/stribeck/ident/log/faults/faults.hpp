@@ -48,7 +48,7 @@ void align_late_force(std::vector<Table>& tables, Notes& notes);
 void mend_exchanged(std::vector<Table>& tables, Notes& notes);
 
 // commanded.cpp
-/// Says where a log without a reference has a position that is smoother than any loop makes it.
+/// Says where the position is its reference, or in a log without one is smoother than any loop makes it.
 void name_commanded_position(const std::vector<Table>& tables, const RoughFit& rough, Notes& notes);
 
 // plausible.cpp

@@ -174,6 +174,11 @@ TEST(LogFaults, AReferenceLoggedAsPositionIsNamed) {
   log.x.y = truth.r.y;
   log.r.y.clear();
   EXPECT_THAT(kinds(condition(log)), ElementsAre("commanded"));
+  log.r.y = truth.r.y;  // the same command twice
+  const Conditioned twice = condition(log);
+  ASSERT_THAT(kinds(twice), ElementsAre("commanded")) << texts(twice);
+  EXPECT_THAT(twice.findings[0].text, HasSubstr("the position has the value of its reference in"));
+  log.r.y.clear();
   log.x.y = truth.x.y;
   EXPECT_THAT(kinds(condition(log)), ElementsAre());
 }
