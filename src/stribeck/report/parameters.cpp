@@ -119,7 +119,10 @@ std::string shown_number(double value, double low, double high) {
   const double half = 0.5 * (high - low);
   if (!std::isfinite(half) || half <= 0.0 || !std::isfinite(value)) return significant(value, 4);
   // Two digits of the half width, for the value and for the limits alike.
-  const int digits = 1 - static_cast<int>(std::floor(std::log10(half)));
+  int digits = 1 - static_cast<int>(std::floor(std::log10(half)));
+  // Of an interval over decades that excludes zero, two digits of each number: the smaller ones would be shown as zero.
+  if (low * high > 0.0 && value != 0.0)
+    digits = std::max(digits, 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
   if (digits > 8) return significant(value, 6);
   if (digits >= 0) return decimals(value, digits);
   const double last = std::pow(10.0, -digits);

@@ -267,6 +267,11 @@ TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(294517.0, 276144.0, 302133.0), "295000");
   EXPECT_EQ(shown_number(0.14349, 0.1431, 0.1439), "0.14349");
   EXPECT_EQ(shown_number(12.3456, test::kNaN, test::kNaN), "12.35");
+  // Over decades: no number that is known to be above zero is shown as zero.
+  EXPECT_EQ(shown_number(5.488, 0.774, 33500.0), "5.5");
+  EXPECT_EQ(shown_number(0.774, 0.774, 33500.0), "0.77");
+  EXPECT_EQ(shown_number(33500.0, 0.774, 33500.0), "34000");
+  EXPECT_EQ(shown_number(0.004, -3.0, 5.0), "0.0");
 }
 
 // The thesis prints no quadrant ratio: it stands in the tables of what goes beyond it, and only where there is one.

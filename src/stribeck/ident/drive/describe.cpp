@@ -173,8 +173,9 @@ void Description::write_summary(int s) {
   const Summary summary = summary_of(map(), s, found_.rows.grid[side]);
   const std::string tail = std::string("_") + map::kSideName[side];
   const double d = map::kDirection[side];
-  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s),
-      summary.line_seen);
+  const LineSpread rivals = spread_of_line(found_.choice, s, found_.rows.grid[side]);
+  add("coulomb" + tail, d * summary.coulomb.value, "N", "N",
+      std::hypot(level_error(summary.coulomb, s), rivals.coulomb), summary.line_seen);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
                      summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
   std::optional<double> speed = stribeck_speed_of(summary, s);
@@ -189,8 +190,8 @@ void Description::write_summary(int s) {
     add("stribeck_speed" + tail, summary.stribeck_speed->value, "m/s", "mm/s",
         error_of(*summary.stribeck_speed, s), seen_at_rest);
   }
-  add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s),
-      summary.line_seen);
+  add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm",
+      std::hypot(error_of(summary.viscous, s), rivals.viscous), summary.line_seen);
 }
 
 /// Whether the slowest rows show the friction at rest: where a Stribeck part was found, most of its rise; where none was, speeds at
@@ -282,7 +283,8 @@ void Description::write_symmetric() {
   const map::StaticFit& fit = map();
   result_.set_steady(SteadyModel::kConventional);
   friction::Conventional<double> steady{fit.coulomb, fit.viscous, {}};
-  add("load", fit.load, "N", "N", map_error(0), seen(0));
+  add("load", fit.load, "N", "N", std::hypot(map_error(0), spread_of_load(found_.choice, found_.rows.grid)),
+      seen(0));
   add("alpha0", fit.coulomb, "N", "N", map_error(1), seen(1));
   if (fit.family == map::StaticFit::Family::kSymmetricStribeck) {
     steady.stribeck =

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/drive/map/map_choice.hpp>
+#include <stribeck/ident/drive/summary.hpp>
 
 namespace stribeck::ident::drive {
 namespace {
@@ -133,11 +134,28 @@ std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit)
   return choice;
 }
 
-double spread_of_friction(const MapChoice& choice, int side, double speed) {
-  const double own = choice.map.fit.force(side, speed);
+namespace {
+
+/// Straight line of one direction: what the rows tell, with the load in the level.
+LineSpread line_of(const map::StaticFit& fit, int side, const map::Grid& grid) {
+  const Summary summary = summary_of(fit, side, grid);
+  return {summary.coulomb.value + map::kDirection[static_cast<std::size_t>(side)] * fit.load,
+          summary.viscous.value};
+}
+
+/// Standard deviation of a quantity of the maps that the data cannot tell apart, about that of the chosen one.
+template <class Quantity>
+double spread_of(const MapChoice& choice, Quantity&& quantity) {
+  const double own = quantity(choice.map.fit);
   double square = 0.0;
-  for (const map::StaticFit& r : choice.map.rivals) square += std::pow(r.force(side, speed) - own, 2.0);
+  for (const map::StaticFit& r : choice.map.rivals) square += std::pow(quantity(r) - own, 2.0);
   return std::sqrt(square / static_cast<double>(choice.map.rivals.size() + 1));
+}
+
+}  // namespace
+
+double spread_of_friction(const MapChoice& choice, int side, double speed) {
+  return spread_of(choice, [&](const map::StaticFit& f) { return f.force(side, speed); });
 }
 
 double spread_of_v0(const MapChoice& choice) {
@@ -147,6 +165,18 @@ double spread_of_v0(const MapChoice& choice) {
       square += std::pow(r.v0 - choice.map.fit.v0, 2.0);
   }
   return std::sqrt(square / static_cast<double>(choice.map.rivals.size() + 1));
+}
+
+LineSpread spread_of_line(const MapChoice& choice, int side, const map::Grid& grid) {
+  if (choice.map.fit.family == map::StaticFit::Family::kByDirection) return {};
+  return {spread_of(choice, [&](const map::StaticFit& f) { return line_of(f, side, grid).coulomb; }),
+          spread_of(choice, [&](const map::StaticFit& f) { return line_of(f, side, grid).viscous; })};
+}
+
+double spread_of_load(const MapChoice& choice, const std::array<map::Grid, map::kSides>& grid) {
+  return spread_of(choice, [&](const map::StaticFit& f) {
+    return 0.5 * (line_of(f, 0, grid[0]).coulomb - line_of(f, 1, grid[1]).coulomb);
+  });
 }
 
 }  // namespace stribeck::ident::drive

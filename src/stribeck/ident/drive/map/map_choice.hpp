@@ -35,5 +35,14 @@ std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit)
 /// deviation of the friction at a speed [N], and of the Stribeck speed of a symmetric map [m/s].
 double spread_of_friction(const MapChoice& choice, int side, double speed);
 double spread_of_v0(const MapChoice& choice);
+/// The same of Coulomb and viscous friction of one direction, where the chosen map is symmetric: a log of few rows in one direction
+/// hardly tells that it is. The load counts with Coulomb friction, as the rows tell their sum.
+struct LineSpread {
+  double coulomb = 0.0;  ///< [N]
+  double viscous = 0.0;  ///< [N·s/m]
+};
+LineSpread spread_of_line(const MapChoice& choice, int side, const map::Grid& grid);
+/// And of the load of a symmetric map [N].
+double spread_of_load(const MapChoice& choice, const std::array<map::Grid, map::kSides>& grid);
 
 }  // namespace stribeck::ident::drive
