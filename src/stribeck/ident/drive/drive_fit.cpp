@@ -11,6 +11,7 @@
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/smoothing/before_filter.hpp>
 #include <stribeck/ident/drive/smoothing/filter_search.hpp>
+#include <stribeck/ident/drive/smoothing/hidden_ripple.hpp>
 #include <stribeck/ident/drive/stage.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <utility>
@@ -399,6 +400,41 @@ std::optional<BeforeFilter> before_filter_of(Fitted& logged, const DriveFitOptio
   }
 }
 
+/// A fit behind a low-pass that shows what the window of the motion hides.
+struct Finer {
+  DriveFitOptions options;
+  Fitted fitted;
+};
+
+/// Absent where no ripple is hidden, or the finer fit does not find it.
+std::optional<Finer> with_hidden_ripple(const Fitted& found, std::span<const log::Record> records,
+                                        const DriveFitOptions& options) {
+  constexpr double kWorth =
+      0.005;  // of the friction: a part of what the loop answers, which the window takes off
+  constexpr double kNear = 0.03;  // of the period
+  if (options.cut_off > 0.0 || !options.periodic || !one_sample_time(records)) return {};
+  const AlignedLog& log = found.placed.stage.log;
+  double level = 0.0;
+  for (const CurvePoint& p : found.result.curve) level = std::max(level, std::abs(p.friction));
+  const auto ripple = find_hidden_ripple(log, kWorth * level);
+  const auto has = [&](const Fitted& fit) {
+    const auto& terms = fit.result.friction.eccentric;
+    return std::any_of(terms.begin(), terms.end(), [&](const auto& term) {
+      return std::abs(term.period - ripple->period) < kNear * ripple->period;
+    });
+  };
+  if (!ripple || has(found)) return {};
+  DriveFitOptions finer = options;
+  finer.cut_off = ripple->cut_off;
+  try {
+    Fitted out = fit_both(records, finer, nullptr);
+    if (has(out)) return Finer{finer, std::move(out)};
+  } catch (const Refused&) {
+    // The low-pass leaves too few rows.
+  }
+  return {};
+}
+
 /// Adds pre-sliding and the warnings.
 Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords& drift) {
   Result result = std::move(fitted.result);
@@ -427,15 +463,20 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
     before_filter = std::move(before->records);  // the fit goes on pointing to them
     found = std::move(before->fitted);
   }
+  DriveFitOptions used = options;
+  if (auto finer = with_hidden_ripple(found, found.placed.stage.log.records, options)) {
+    used = finer->options;
+    found = std::move(finer->fitted);
+  }
   DriftWords drift = words_of_drift(found.found(), found.drift);
-  if (found.steady.empty()) return finished(std::move(found), options, drift);
+  if (found.steady.empty()) return finished(std::move(found), used, drift);
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
-  Fitted level = fit_both(found.steady, options, &found.drift);
+  Fitted level = fit_both(found.steady, used, &found.drift);
   if (!(level.result.held_out_rms < found.result.held_out_rms))
-    return finished(std::move(found), options, drift);
+    return finished(std::move(found), used, drift);
   // The drift of friction that was taken out is still said.
   drift.offset = words_of_drift(level.found(), level.drift).offset;
-  return finished(std::move(level), options, drift);
+  return finished(std::move(level), used, drift);
 }
 
 }  // namespace stribeck::ident::drive
