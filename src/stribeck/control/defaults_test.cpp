@@ -228,6 +228,7 @@ const std::vector<std::string> kStored{
     "compensation.mass above 0",
     "compensation.load 0",
     "compensation.delay absent",
+    "compensation.delay from 0",
     "compensation.friction.steady alternative 0",
     "compensation.friction.steady.alpha0 0",
     "compensation.friction.steady.alpha0 above 0",

@@ -174,6 +174,7 @@ std::vector<Table> without_faults(std::vector<Table> tables, bool position, cons
   check_reference(tables, notes);
   tables = cut_stuck_force(std::move(tables), s.f_hold, notes);
   cut_drive_off(tables, notes);
+  cut_moved_without_drive(tables, notes);
   return tables;
 }
 

@@ -98,6 +98,72 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes) {
   }
 }
 
+namespace {
+
+/// Rows [first, last) in which the force is exactly 0, though the axis sets out from rest and moves on: nothing of the drive moves it.
+struct NoForce {
+  std::size_t first = 0, last = 0;
+};
+
+std::vector<NoForce> moved_without_force(const Table& m) {
+  constexpr double kShortest = 0.1;       // [s]
+  constexpr std::size_t kFewestRun = 20;  // rows
+  constexpr double kFromRest = 0.25;      // share of the way that the first fifth of the rows goes at most
+  const std::vector<double> some = sample_of(m.motion(), 20000);
+  const double play = 20.0 * std::max(quantum(some), position_noise(some));
+  std::vector<NoForce> out;
+  for (std::size_t k = 0; k < m.rows();) {
+    std::size_t end = k;
+    while (end < m.rows() && m.f[end] == 0.0) ++end;
+    const std::size_t rows = end - k;
+    if (rows >= kFewestRun && static_cast<double>(rows) * m.sample_time >= kShortest) {
+      const double before = k > rows / 5 ? std::abs(m.x[k] - m.x[k - rows / 5]) : 0.0;
+      const double way = std::abs(m.x[end - 1] - m.x[k]);
+      if (way > play && before < kFromRest * way / 5.0) out.push_back({k, end});
+    }
+    k = std::max(end, k + 1);
+  }
+  return out;
+}
+
+}  // namespace
+
+void cut_moved_without_drive(std::vector<Table>& tables, Notes& notes) {
+  constexpr double kMostZero = 0.2;  // of the rows: more is a programme with pauses
+  if (!notes.wanted("drive-off")) return;
+  std::vector<Table> out;
+  for (Table& m : tables) {
+    const auto zeros = static_cast<double>(std::count(m.f.begin(), m.f.end(), 0.0));
+    std::vector<NoForce> runs;
+    if (!m.x.empty() && m.rows() >= kFewestRows && !quiet(m.f) &&
+        zeros < kMostZero * static_cast<double>(m.rows()))
+      runs = moved_without_force(m);
+    if (runs.empty()) {
+      out.push_back(std::move(m));
+      continue;
+    }
+    std::size_t from = 0;
+    const auto keep = [&](std::size_t to) {
+      if (to < from + kFewestRows) return;
+      out.push_back(slice(m, from, to));
+      out.back().gap_before = m.gap_before || from > 0;
+    };
+    for (const NoForce& run : runs) {
+      notes.add_range(
+          "drive-off", m, run.first, run.last - 1, true,
+          fmt::format(
+              "the force is exactly 0 while the axis sets out and moves by {}: the drive is off, and somebody or a load moves the "
+              "axis; rows cut off",
+              notes.travel(std::abs(m.x[run.last - 1] - m.x[run.first]))),
+          {m.t[run.first], m.t[run.last - 1]});
+      keep(run.first);
+      from = run.last;
+    }
+    keep(m.rows());
+  }
+  if (!out.empty()) tables = std::move(out);
+}
+
 void find_saturation(std::vector<Table>& tables, Notes& notes) {
   if (!notes.wanted("saturated")) return;
   double low = std::numeric_limits<double>::infinity();

@@ -117,6 +117,8 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
 // condition_drive.cpp
 /// Cuts off standstill with the drive switched off, at both ends.
 void cut_drive_off(std::vector<Table>& tables, Notes& notes);
+/// Cuts out rows without any force in which the axis sets out from rest: it is pushed by hand, or falls.
+void cut_moved_without_drive(std::vector<Table>& tables, Notes& notes);
 /// Whether the force has no noise of its own: it was programmed, not measured.
 bool quiet(const std::vector<double>& force);
 /// Marks rows in which the force is at the end of its range.

@@ -30,9 +30,8 @@ constexpr double kFarStep = 10.0;     // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
 constexpr double kToldShift =
     1e-4;  // share of the column of the shift that the errors of the model do not explain
-constexpr double kWorthGain = 0.98;  // of the error: what a shift beside periodic terms must leave at most
+constexpr double kWorthGain = 0.98;  // of the error: what a shift must leave at most
 constexpr double kWholePart = 0.01;
-constexpr double kAtStandstill = 1e-3;  // of the top speed: what a filter leaves of an axis at rest
 constexpr double kWorthPhase = 0.1 * kPi;
 
 Column derivative(const Column& y, double T) {
@@ -87,13 +86,7 @@ class Scored {
     if (options_.of_log) share_of_log();
     fit_own();
     std::tie(out_.moving_relative, out_.moving_rms) = error_of(out_.modelled, load_, moving_);
-    friction::Model sliding = model_.friction;
-    sliding.eccentric.clear();
-    sliding.spring.reset();
-    const Column friction =
-        thin(friction_along(sliding, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load));
-    out_.friction =
-        friction_changes({out_.measured, out_.modelled, friction, out_.velocity, out_.acceleration}, moving_);
+    compare_friction();
     return std::move(out_);
   }
 
@@ -167,6 +160,24 @@ class Scored {
     load_ = constant_force();
     out_.moving = moving_.size();
     out_.at_rest = 1.0 - static_cast<double>(out_.moving) / static_cast<double>(used_.size());
+  }
+
+  /// Of the rows whose friction the model tells.
+  void compare_friction() {
+    friction::Model sliding = model_.friction;
+    sliding.eccentric.clear();
+    sliding.spring.reset();
+    std::vector<std::size_t> told;
+    for (const std::size_t i : moving_) {
+      if (std::abs(out_.velocity[i]) >= options_.told_from) told.push_back(i);
+    }
+    if (!moving_.empty())
+      out_.untold = 1.0 - static_cast<double>(told.size()) / static_cast<double>(moving_.size());
+    const Column friction =
+        thin(friction_along(sliding, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load));
+    out_.friction = friction_changes({out_.measured, out_.modelled, friction, thin(derivative(filed_, 1.0)),
+                                      out_.velocity, out_.acceleration},
+                                     told);
   }
 
   /// Friction that rises after each reversal over a distance [m], with the sign of the motion.
@@ -369,8 +380,8 @@ void Scored::fit_own() {
   const bool given = options_.shift.has_value();
   OwnFit fit = given ? fit_from(*options_.shift / T, true) : best_fit(expected);
   judge(fit);
-  if (!given && out_.shifted && !model_.friction.eccentric.empty()) {
-    // A shift that brings the force hardly closer to the model is none: beside it, amplitudes were free.
+  if (!given && out_.shifted) {
+    // A shift that brings the force hardly closer to the model is none: beside it, errors of the model and amplitudes were free.
     OwnFit unshifted = fit_from(expected, true);
     if (fit.rms > kWorthGain * unshifted.rms) {
       fit = std::move(unshifted);
@@ -446,43 +457,6 @@ void Scored::judge(const OwnFit& fit) {
 }
 
 }  // namespace
-
-std::vector<double> friction_along(const friction::Model& model, std::span<const double> x,
-                                   std::span<const double> v, double period, double push) {
-  const std::size_t n = x.size();
-  std::vector<double> f(n);
-  if (n == 0) return f;
-  double top = 0.0;
-  for (const double s : v) top = std::max(top, std::abs(s));
-  const double still = kAtStandstill * top;
-  std::visit(
-      [&]<class Base, class Law>(const Base& base, const Law& law) {
-        const friction::Composed<Base> map = friction::composed(base, model);
-        if constexpr (friction::PreSlidingLaw<Law>) {
-          typename Law::State state{};
-          const auto begin = map.parts(v[0], x[0]);
-          if (std::abs(v[0]) > still) {
-            law.slide(state, v[0] > 0.0 ? begin.level : -begin.level);
-          } else {
-            law.carry(state, std::clamp(push - begin.additive, -begin.level, begin.level));
-          }
-          for (std::size_t k = 0; k < n; ++k) {
-            if (k > 0) {
-              const double mean = 0.5 * (v[k - 1] + v[k]);
-              const double stiffness = friction::shares_at(model.places, x[k]).stiffness;
-              law.advance(state, stiffness * mean, map.parts(mean, x[k]).level, period);
-            }
-            const auto p = map.parts(v[k], x[k]);
-            const double stiffness = friction::shares_at(model.places, x[k]).stiffness;
-            f[k] = law.bristle(state, v[k], p.level, stiffness) + p.viscous + p.additive;
-          }
-        } else {
-          for (std::size_t k = 0; k < n; ++k) f[k] = friction::steady_force(map, v[k], x[k]);
-        }
-      },
-      model.steady, model.dynamics);
-  return f;
-}
 
 ForceError force_error(const friction::AxisModel& model, const log::Record& record,
                        const ForceOptions& options) {

@@ -50,6 +50,8 @@ struct ForceOptions {
   std::size_t drop = 49;        ///< rows at the start
   std::optional<double> shift;  ///< known shift of the force [s]; absent: estimated
   bool of_log = false;          ///< whether `of_log` is wanted; it costs as much as the rest
+  double told_from =
+      0.0;  ///< slowest speed whose friction the model tells [m/s]: friction of slower rows is not compared
 };
 
 /// Phase of one periodic term in this record.
@@ -75,6 +77,7 @@ struct ForceError {
   bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
   bool or_pre_sliding = false;    ///< s may as well be pre-sliding that the model does not have
   double at_rest = 0.0;           ///< share of the rows in which the axis stands
+  double untold = 0.0;            ///< share of the other rows, in which it is slower than the model tells
   std::size_t moving = 0;         ///< of the decimated rows, without them
   double moving_relative = kNaN;  ///< as own_relative, of these
   double moving_rms = kNaN;       ///< [N]

@@ -38,6 +38,7 @@ struct VerifiedModel {
   std::optional<ident::replay::Replay> closed = {};
   double travel =
       std::numeric_limits<double>::quiet_NaN();  ///< of the record [m]: no drift beyond it is a number
+  double told_from = 0.0;  ///< slowest speed whose friction the logs behind the file tell [m/s]
 };
 
 /// One record; a log that was cut at gaps has several.
@@ -54,7 +55,8 @@ struct GradeLimits {
   double usable = 15.0;
 };
 
-/// Undecided: the error is too large, but not larger than what the log makes a right model miss.
+/// Undecided: the error is too large, but not larger than what the log makes a right model miss, or the log is mostly slower than the
+/// model tells.
 enum class Grade { kGood, kUsable, kUndecided, kNotUsable };
 std::string_view name_of(Grade grade) noexcept;
 
@@ -67,6 +69,8 @@ struct Verdict {
   bool of_force = true;
   double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
   ident::replay::FrictionChange friction{};                  ///< of the logs, beside that of the model
+  double untold = 0.0;     ///< share of the rows in motion that are slower than the model tells
+  double told_from = 0.0;  ///< [m/s]
   Grade grade = Grade::kNotUsable;
 };
 

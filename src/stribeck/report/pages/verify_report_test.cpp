@@ -159,6 +159,23 @@ TEST(VerifyReport, FrictionThatIsOffLowersTheVerdict) {
   EXPECT_TRUE(usable(in));
 }
 
+// A file that tells friction from 40 mm/s on is not refused by a log that creeps.
+TEST(VerifyReport, ALogSlowerThanTheFileTellsDecidesNothing) {
+  VerifyReportInput in = two_models(false);
+  VerifiedModel& m = in.parts[0].models[1];
+  m.told_from = 0.04;
+  m.force.moving = 100;
+  m.force.untold = 0.4;
+  EXPECT_EQ(verdicts(in)[1].grade, Grade::kNotUsable);
+  m.force.untold = 0.9;
+  EXPECT_EQ(verdicts(in)[1].grade, Grade::kUndecided);
+  EXPECT_THAT(text_table(in),
+              HasSubstr("in 90 % of the motion the axis is slower than 40 mm/s, from which on the file "
+                        "tells friction: verify with a faster motion"));
+  m.force.friction.fast = {0.5, 0.01, 0.1};  // at speeds that the file tells
+  EXPECT_EQ(verdicts(in)[1].grade, Grade::kNotUsable);
+}
+
 // Two parts: the one that tells friction better counts more.
 TEST(VerifyReport, FrictionOfAllPartsIsWeighedByWhatTheyTell) {
   VerifyReportInput in = two_models(false);

@@ -217,10 +217,14 @@ bool friction_beyond(const Verdict& v, double limit) {
   return 100.0 * v.friction.certain() > GradeLimits::kOfFriction * limit;
 }
 
+/// Whether most of the log is slower than the speeds that the file knows of.
+bool mostly_untold(const Verdict& v) { return v.untold > 0.5; }
+
 /// The force of a motion of much acceleration is that of the mass: friction counts beside it.
 Grade grade_of(const Verdict& v, const GradeLimits& limits) {
   const Grade by_force = grade_of_force(v, limits);
   if (friction_beyond(v, limits.usable)) return Grade::kNotUsable;
+  if (by_force == Grade::kNotUsable && mostly_untold(v)) return Grade::kUndecided;
   return by_force == Grade::kGood && friction_beyond(v, limits.good) ? Grade::kUsable : by_force;
 }
 
@@ -268,6 +272,7 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
     });
     Pooled force, velocity, of_log;
     PooledFriction slow, fast;
+    double untold = 0.0, in_motion = 0.0;
     for (const VerifiedPart& part : input.parts) {
       if (i >= part.models.size()) continue;
       const VerifiedModel& m = part.models[i];
@@ -279,6 +284,7 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
       force.add(relative, rms, rows);
       of_log.add(noise, noise * rms / relative, rows);
       slow.add(f.friction.slow), fast.add(f.friction.fast);
+      untold += f.untold * static_cast<double>(f.moving), in_motion += static_cast<double>(f.moving);
       velocity.add(m.open.restarted.velocity_relative, m.open.restarted.velocity_rms, part.record.x.size());
     }
     Verdict v;
@@ -288,6 +294,8 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
     v.error = v.of_force ? force.share() : velocity.share();
     if (v.of_force) v.of_log = of_log.share();
     v.friction = larger(slow.change(), fast.change());
+    v.untold = in_motion > 0.0 ? untold / in_motion : 0.0;
+    v.told_from = input.parts.front().models[i].told_from;
     v.grade = grade_of(v, input.limits);
     all.push_back(std::move(v));
   }
@@ -304,6 +312,14 @@ std::string sentence(const Verdict& v, const VerifyReportInput& input) {
   const GradeLimits& limits = input.limits;
   if (!std::isfinite(v.error))
     return v.name + " is undecided: the log is too short to compare forces, and no run in open loop is left.";
+  if (v.grade == Grade::kUndecided && mostly_untold(v)) {
+    const ident::Shown shown(input.parts.front().record);
+    return fmt::format(
+        "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but in {:.0f} % of the motion the axis is slower "
+        "than {}, from which on the file tells friction: verify with a faster motion, or identify slow jogs.",
+        v.name, percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
+        short_number(limits.usable), 100.0 * v.untold, shown.speed(v.told_from));
+  }
   if (v.grade == Grade::kUndecided) {
     return fmt::format(
         "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",

@@ -190,11 +190,6 @@ bool shift_moved(const ident::Result& before, const ident::Result& after, const 
                   ident::residual::shift_in_rows(after, period)) > kMoved;
 }
 
-bool is_sure(const ident::residual::Diagnosis& d) {
-  if (d.spring) return std::abs(d.spring->stiffness) > kSure * d.spring->half_width;
-  return d.unbalance && std::hypot(d.unbalance->sine, d.unbalance->cosine) > kSure * d.unbalance->half_width;
-}
-
 /// A spring that the logs show, but that was not taken off them.
 void doubt_mass(const ident::residual::Spring& s, bool rotary, ident::Result& r) {
   if (!(s.half_width > 0.0)) return;
@@ -238,10 +233,17 @@ Cleaned refined(Cleaned first, const ident::residual::Diagnosis& before, const i
   return moved ? clean(axis, first.taken, result, method) : first;
 }
 
-/// What the next pass takes off. Beside an elastic drive a spring may be one of its errors: it is looked for again afterwards.
+bool is_sure(const ident::residual::Diagnosis& d) {
+  if (d.spring) return std::abs(d.spring->stiffness) > kSure * d.spring->half_width;
+  return d.unbalance && std::hypot(d.unbalance->sine, d.unbalance->cosine) > kSure * d.unbalance->half_width;
+}
+
+/// What the next pass takes off. Beside an elastic drive a spring may be one of its errors: it is looked for again afterwards. A force
+/// that pushes away from the middle is rare (a chain that hangs): what looks like it, but is not sure, is an error of the mass.
 bool prepare(ident::residual::Diagnosis& found, ident::residual::Diagnosis& all) {
   if (all.elastic) found.elastic.reset();
   if (found.elastic) found.spring.reset(), found.unbalance.reset();
+  if (found.spring && found.spring->stiffness < 0.0 && !is_sure(found)) found.spring.reset();
   add(found, all);
   return found.elastic || found.spring || found.unbalance;
 }

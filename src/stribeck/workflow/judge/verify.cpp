@@ -31,6 +31,7 @@ struct Model {
   std::string file;
   std::string axis;  ///< as its file says; empty: it does not
   friction::AxisModel model;
+  double told_from = 0.0;  ///< slowest speed whose friction the logs behind the file tell [m/s]
 };
 
 constexpr double kMostGrowth = 4.6;  // ln 100: of a deviation in open loop
@@ -93,7 +94,7 @@ std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
   std::vector<Model> models;
   bool rotary = false;
   const auto add = [&](const std::string& path, const sim::AxisFile& file, const std::string& axis) {
-    models.push_back({path, axis, file.model});
+    models.push_back({path, axis, file.model, file.uncertainty ? file.uncertainty->told_from : 0.0});
     if (models.size() > 1 && rotary != file.rotary.value_or(false))
       throw io::InputError({path, 0, "rotary",
                             "one of the axis files is of a rotary axis, another is not (verify them apart)"});
@@ -199,6 +200,8 @@ std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& mo
   constexpr double kMuch = 0.05;      // of the force
   constexpr double kMuchLess = 0.5;   // of the error
   constexpr double kSameMass = 0.15;  // of the mass of the file
+  constexpr double kSlowest =
+      4.0;  // [Hz]: the third harmonic of friction in a slow sine looks like a slower one
   ident::replay::ForceOptions force;
   force.shift = shift;
   for (const Model& m : models) {
@@ -210,7 +213,9 @@ std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& mo
     model.friction = m.model.friction;
     model.given_shift = shift.value_or(-m.model.delay_or_none() - 0.5 * record.sample_time);
     const auto elastic = ident::residual::diagnose({record}, model).elastic;
-    if (!elastic || std::abs(elastic->mass - model.mass) > kSameMass * model.mass) continue;
+    if (!elastic || elastic->frequency < kSlowest ||
+        std::abs(elastic->mass - model.mass) > kSameMass * model.mass)
+      continue;
     ident::log::Record rigid = record;
     take_off(*elastic, *model.given_shift / record.sample_time, rigid);
     const double without = ident::replay::force_error(m.model, rigid, force).moving_relative;
@@ -356,12 +361,14 @@ class Verification {
     ident::replay::ForceOptions force;
     force.shift = shift;
     force.of_log = true;
+    force.told_from = m.told_from;
     one.force = ident::replay::force_error(m.model, record, force);
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     const double expected = -0.5 * record.sample_time - m.model.delay_or_none();
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
                      notes);
     note_rest(m, one.force, notes);
+    one.told_from = m.told_from;
     if (std::string missed = missed_in_words(m.file, m.model, one.force, record); !missed.empty())
       notes.push_back(std::move(missed));
     note_beyond_spring(m, record, notes);
