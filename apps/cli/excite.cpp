@@ -101,6 +101,8 @@ int excite(const ExciteCommand& o) {
   const ident::excitation::Excitation& e = axis.excitation;
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
     if (path.empty()) continue;
+    if (const std::string why = ident::excitation::why_no_gcode(o.axis); !why.empty())
+      refuse_option(o.gcode.empty() ? "--output" : "--gcode", why);
     const auto unit =
         axis.rotary ? ident::excitation::GcodeUnit::kDegree : ident::excitation::GcodeUnit::kMillimetre;
     io::write_atomically(
@@ -116,6 +118,10 @@ int excite(const ExciteCommand& o) {
   say(o.common, fmt::format("{}\nSafety: it {}.\nReference in {} ({} rows).\n", e.says,
                             fmt::join(axis.notes, "; "), o.output, e.t.size()));
   if (!o.gcode.empty()) say(o.common, fmt::format("G-code in {}.\n", o.gcode));
+  if (axis.of_lathe && (!o.gcode.empty() || is_gcode(o.output)))
+    say(o.common,
+        "A lathe may count X in diameter, the G-code counts the travel: switch diameter programming off before (SINUMERIK DIAMOF, LinuxCNC "
+        "G8). A log in diameter is read with --map x=\"COLUMN 0.5 mm\".\n");
   return 0;
 }
 
@@ -145,7 +151,10 @@ void add_excite(CLI::App& app, Action& action) {
   verb->add_option("--minutes", o->minutes,
                    fmt::format("With --for: longest time of all logs together (left out: {:g})", kMinutes))
       ->check(number_from(0.1, 1000));
-  verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
+  verb->add_option(
+          "--gcode", o->gcode,
+          "G-code of the same motion (positions only): for an axis letter in LinuxCNC's dialect, for a name as X1 in SINUMERIK's")
+      ->type_name("REF.ngc");
   verb->add_option(
           "--periods", o->what.periods,
           fmt::format(

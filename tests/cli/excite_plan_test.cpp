@@ -41,6 +41,36 @@ TEST(ExcitePlan, WritesTheLogsThatTellWhatIsWanted) {
   EXPECT_GE(files, 1u);
 }
 
+/// A machine of two axes with these names.
+std::string machine_with(const std::string& one, const std::string& other) {
+  std::string text = "name = \"m\"\nsample_time = \"2 ms\"\n";
+  for (const std::string& axis : {one, other})
+    text += "[axes." + axis + "]\nlimits.travel_min = \"0 mm\"\nlimits.travel_max = \"250 mm\"\n" +
+            "limits.speed = \"200 mm/s\"\nlimits.acceleration = \"4 m/s2\"\nlimits.force = \"8000 N\"\n" +
+            "commissioning.mass = \"800 kg\"\ncommissioning.friction = \"500 N\"\n";
+  return text;
+}
+
+// SINUMERIK calls axes X1, Z1, Y2; two may have one letter.
+TEST(ExciteGcode, OfAxesWithNumbersAndOfALathe) {
+  const Folder folder;
+  const auto gcode = [&](const std::string& machine, const std::string& axis) {
+    return command({"excite", machine, "--axis", axis, "--method", "jog", "-o", folder / "r.csv", "--gcode",
+                    folder / "r.mpf"});
+  };
+  const std::string two = folder.write("two.toml", machine_with("X1", "X2"));
+  const Said said = gcode(two, "X2");
+  EXPECT_EQ(said.code, 0) << said.err;
+  const std::string program = text_of(folder / "r.mpf");
+  EXPECT_THAT(program, HasSubstr("G71 G90 G94 G64\nG0 X2=125.000000\nG4 F1\nG1 X2="));
+  EXPECT_THAT(program, HasSubstr("\n; begins at 125 mm, at rest\n"));
+  EXPECT_THAT(said.out, testing::Not(HasSubstr("lathe")));
+  EXPECT_THAT(gcode(folder.write("lathe.toml", machine_with("x", "z")), "x").out,
+              HasSubstr("A lathe may count X in diameter"));
+  expect_refused(gcode(folder.write("named.toml", machine_with("x", "ram")), "ram"),
+                 "rename the axis in the machine file");
+}
+
 TEST(ExcitePlan, IsProposedForWhatALogLeavesOpen) {
   const Folder folder;
   // One period of a sine: its force of inertia is small, and a spring would look the same.

@@ -409,13 +409,21 @@ std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& s
                    : std::string(", and at the control's limit of the following error"))};
 }
 
+std::string gcode_option(const std::string& axis, const std::string& stem) {
+  const std::string word = ident::excitation::gcode_word(axis);
+  if (word.empty()) return {};
+  return fmt::format(" --gcode {}.{}", stem, word.back() == '=' ? "mpf" : "ngc");
+}
+
 std::string with_notes(std::string gcode, const std::vector<std::string>& notes) {
+  const bool semicolon = gcode.starts_with(';');  // as SINUMERIK has comments
   std::string head;
   for (std::string note : notes) {
     std::erase_if(note, [](char c) { return c == '(' || c == ')'; });  // they end a comment
-    head += '(' + note + ")\n";
+    if (semicolon) std::replace(note.begin(), note.end(), ';', ',');
+    head += semicolon ? "; " + note + '\n' : '(' + note + ")\n";
   }
-  return gcode.insert(gcode.find("G21"), head);
+  return gcode.insert(gcode.find("\nG") + 1, head);  // before the first line that is no comment
 }
 
 ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& o,

@@ -42,6 +42,9 @@ ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& optio
 std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& excitation,
                                       const MachineDescription& machine, std::size_t axis);
 
+/// " --gcode STEM.ngc" for a command of excite, with .mpf for an axis that only SINUMERIK has; empty where G-code has no such axis.
+std::string gcode_option(const std::string& axis, const std::string& stem);
+
 /// The same as comments in the head of a program that as_gcode() made.
 std::string with_notes(std::string gcode, const std::vector<std::string>& notes);
 

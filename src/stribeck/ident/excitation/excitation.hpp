@@ -169,8 +169,13 @@ Excitation design_multisine(const Limits& limits, const RoughDrive& drive, doubl
 /// Unit of an axis in G-code: of a rotary axis, whose positions are arcs at a radius of 1 m, the degree.
 enum class GcodeUnit { kMillimetre, kDegree };
 
-/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move) for one axis letter. A constant
-/// speed is one move; other motions are moves of about 20 ms. Refused for forces, which G-code cannot command.
+/// What stands before a position of this axis in G-code: "X" for x, "X1=" for an axis x1 of a SINUMERIK; empty: G-code has no such axis.
+std::string gcode_word(const std::string& axis);
+/// Why G-code has no such axis, and the way out; empty: it has.
+std::string why_no_gcode(const std::string& axis);
+
+/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move) for an axis letter, and of SINUMERIK's
+/// where a number follows the letter. A constant speed is one move; other motions are moves of about 20 ms. Refused for forces, which G-code cannot command.
 std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine,
                      GcodeUnit unit = GcodeUnit::kMillimetre);
 

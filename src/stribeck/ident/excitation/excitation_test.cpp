@@ -17,6 +17,7 @@
 namespace stribeck::ident::excitation::excitation_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
@@ -453,7 +454,8 @@ TEST(Excitation, GcodeRepeatsTheTable) {
   EXPECT_NEAR(lowest, -20.0, 1e-3);
   EXPECT_NEAR(time, e.t.back(), 0.02 * e.t.back());
   EXPECT_THAT([&] { as_gcode(e, "spindle", "table"); },
-              ThrowsMessage<Refused>(HasSubstr("axis spindle has no letter of its own")));
+              ThrowsMessage<Refused>(AllOf(HasSubstr("axis spindle has no letter of its own"),
+                                           HasSubstr("rename the axis in the machine file"))));
   // The same arc at a radius of 1 m: 20 mm are 20 mrad.
   const std::string turned = as_gcode(e, "c", "table", GcodeUnit::kDegree);
   EXPECT_NE(turned.find("degrees per minute"), std::string::npos);
@@ -464,6 +466,38 @@ TEST(Excitation, GcodeRepeatsTheTable) {
   EXPECT_NEAR(last, e.r.back() * 57.29577951308232, 1e-6);
   const Excitation pulses = design_pulses(kTable, kRough, kPeriod);
   EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
+}
+
+// X1=12.5 is a word of SINUMERIK, which has comments, units and dwells of its own besides.
+TEST(Excitation, GcodeOfAnAxisWithANumberIsThatOfSinumerik) {
+  const Excitation e = design_sine(kTable, kPeriod, {0.0, 0.010, 0.9, 1});
+  const std::string plain = as_gcode(e, "x", "table");
+  const std::string code = as_gcode(e, "X1", "table");
+  std::istringstream a(plain), b(code);
+  std::vector<std::string> moves, wanted;
+  for (std::string line; std::getline(a, line);) {
+    if (line.starts_with("G4 P")) line[3] = 'F';
+    if (line.starts_with("G0 X") || line.starts_with("G1 X")) line.insert(4, "1=");
+    if (!line.starts_with("(")) wanted.push_back(line);
+  }
+  for (std::string line; std::getline(b, line);)
+    if (!line.starts_with("; ")) moves.push_back(line);
+  std::replace(wanted.begin(), wanted.end(), std::string("G21 G90 G94 G64"), std::string("G71 G90 G94 G64"));
+  EXPECT_EQ(moves, wanted);
+  EXPECT_EQ(code.find("; sine of axis X1, table\n"), 0u);
+  EXPECT_NE(code.find("; for SINUMERIK; other controls, as LinuxCNC, know no axis X1\n"), std::string::npos);
+  EXPECT_EQ(code.find_first_of("()"), std::string::npos);
+  for (const char* none : {"1x", "x-1", "xx", "q1", "", "X1a"}) EXPECT_EQ(gcode_word(none), "") << none;
+}
+
+// A lathe that counts X in diameter would move half as far.
+TEST(Excitation, GcodeOfXSaysThatItIsNoDiameter) {
+  const Excitation e = design_sine(kTable, kPeriod, {0.0, 0.010, 0.9, 1});
+  EXPECT_NE(as_gcode(e, "x", "t").find("diameter programming off before, LinuxCNC G8, SINUMERIK DIAMOF)\n"),
+            std::string::npos);
+  EXPECT_NE(as_gcode(e, "x2", "t").find("diameter programming off before, DIAMOF\n"), std::string::npos);
+  EXPECT_EQ(as_gcode(e, "z", "t").find("DIAMOF"), std::string::npos);
+  EXPECT_EQ(as_gcode(e, "x", "t", GcodeUnit::kDegree).find("DIAMOF"), std::string::npos);
 }
 
 TEST(Multisine, RepeatsWithItsPeriodAndNeverReversesWhileItIsMeasured) {

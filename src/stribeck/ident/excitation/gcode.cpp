@@ -17,12 +17,75 @@ constexpr double kFinest = 1e-7;     // shortest move of G-code [m]
 /// Units per metre.
 double scale_of(GcodeUnit unit) { return unit == GcodeUnit::kDegree ? 180.0 / kPi : 1e3; }
 
+/// How a program is written. LinuxCNC's is the dialect of most controls; SINUMERIK has comments, units and dwells of its own, and names
+/// of axes with a number.
+struct Dialect {
+  bool sinumerik = false;
+  std::string axis;  ///< what stands before a position: "X", "X1="
+
+  [[nodiscard]] std::string comment(const std::string& text) const {
+    return sinumerik ? "; " + text + '\n' : '(' + text + ")\n";
+  }
+  [[nodiscard]] std::string dwell(const std::string& seconds) const {
+    return fmt::format("G4 {}{}\n", sinumerik ? 'F' : 'P', seconds);
+  }
+};
+
+Dialect dialect_for(const std::string& axis) {
+  if (const std::string why = why_no_gcode(axis); !why.empty()) throw Refused("G-code: " + why);
+  std::string word = gcode_word(axis);
+  return {word.back() == '=', std::move(word)};
+}
+
+/// The lines before the first move.
+std::string head_of(const Excitation& e, const Dialect& d, const std::string& machine, GcodeUnit unit) {
+  // Parentheses end a comment, and with some controls a semicolon ends the line and a percent sign the program.
+  std::string name = machine;
+  std::erase_if(name, [](char c) { return std::string_view("();%\n\r").find(c) != std::string_view::npos; });
+  std::string axis = d.axis;
+  std::erase(axis, '=');
+  std::string out =
+      d.comment(fmt::format("{} of axis {}, {}", enum_name(e.method), axis, name)) +
+      d.comment(fmt::format("{:.1f} s; {}; record position and drive force meanwhile", e.t.back(),
+                            unit == GcodeUnit::kDegree ? "degrees, degrees per minute"
+                                                       : "millimetres, millimetres per minute"));
+  if (d.sinumerik)
+    out += d.comment(fmt::format("for SINUMERIK; other controls, as LinuxCNC, know no axis {}", axis));
+  if (axis.front() == 'X' && unit == GcodeUnit::kMillimetre)
+    out += d.comment(
+        d.sinumerik
+            ? "X counts the travel: on a lathe switch diameter programming off before, DIAMOF"
+            : "X counts the travel: on a lathe switch diameter programming off before, LinuxCNC G8, SINUMERIK DIAMOF");
+  return out +
+         d.comment("the control adds its own ramps: feed override 100 %, nothing else moving, no cutting") +
+         (d.sinumerik ? "G71 G90 G94 G64\n" : "G21 G90 G94 G64\n");
+}
+
 /// Rounded as it is printed, without a sign before zero.
 double printed(double metres, GcodeUnit unit) {
   return std::round(metres * scale_of(unit) * 1e6) * 1e-6 + 0.0;
 }
 
 }  // namespace
+
+std::string gcode_word(const std::string& axis) {
+  static constexpr std::string_view kLetters = "XYZABCUVW";
+  if (axis.empty()) return {};
+  const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(axis[0])));
+  const std::string number = axis.substr(1);
+  if (kLetters.find(letter) == std::string_view::npos ||
+      number.find_first_not_of("0123456789") != std::string::npos)
+    return {};
+  return number.empty() ? std::string(1, letter) : letter + number + '=';
+}
+
+std::string why_no_gcode(const std::string& axis) {
+  if (!gcode_word(axis).empty()) return {};
+  return fmt::format(
+      "axis {} has no letter of its own, expected one of X Y Z A B C U V W, for SINUMERIK with a number behind it (X1): rename the axis in "
+      "the machine file, or leave the G-code out and give the table to the control",
+      axis);
+}
 
 std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine,
                      GcodeUnit unit) {
@@ -31,22 +94,10 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
         std::string(enum_name(e.method)) +
         ": G-code commands positions and cannot command forces in open loop; give the table to a control that takes forces, or choose jog, sine, position-sine or constant-acceleration");
   }
-  static constexpr std::string_view kLetters = "XYZABCUVW";
-  const char letter =
-      axis.size() == 1 ? static_cast<char>(std::toupper(static_cast<unsigned char>(axis[0]))) : '?';
-  if (kLetters.find(letter) == std::string_view::npos) {
-    throw Refused("G-code: axis " + axis + " has no letter of its own, expected one of X Y Z A B C U V W");
-  }
-  // Parentheses end a comment, and with some controls a semicolon ends the line and a percent sign the program.
-  std::string name = machine;
-  std::erase_if(name, [](char c) { return std::string_view("();%\n\r").find(c) != std::string_view::npos; });
-  std::string out =
-      fmt::format("({} of axis {}, {})\n", enum_name(e.method), letter, name) +
-      fmt::format("({:.1f} s; {}; record position and drive force meanwhile)\n", e.t.back(),
-                  unit == GcodeUnit::kDegree ? "degrees, degrees per minute"
-                                             : "millimetres, millimetres per minute") +
-      "(the control adds its own ramps: feed override 100 %, nothing else moving, no cutting)\n" +
-      "G21 G90 G94 G64\n" + fmt::format("G0 {}{:.6f}\nG4 P1\n", letter, printed(e.r.front(), unit));
+  const Dialect dialect = dialect_for(axis);
+  std::string out = head_of(e, dialect, machine, unit) +
+                    fmt::format("G0 {}{:.6f}\n", dialect.axis, printed(e.r.front(), unit)) +
+                    dialect.dwell("1");
   const double T = e.sample_time;
   const bool flats = e.method == ExcitationMethod::kJog;
   const auto dense = static_cast<std::size_t>(std::max(1.0, std::round(kGcodeStep / T)));
@@ -56,7 +107,7 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
     const double step = e.r[last] - e.r[k];
     if (step == 0.0) {
       while (last + 1 < e.r.size() && e.r[last + 1] == e.r[last]) ++last;
-      out += fmt::format("G4 P{:.3f}\n", static_cast<double>(last - k) * T);
+      out += dialect.dwell(fmt::format("{:.3f}", static_cast<double>(last - k) * T));
       k = last;
       continue;
     }
@@ -73,13 +124,13 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
         ++last;
       }
       if (std::abs(e.r[last] - e.r[k]) < kFinest) {  // the control refuses a feed of nearly zero
-        out += fmt::format("G4 P{:.3f}\n", static_cast<double>(last - k) * T);
+        out += dialect.dwell(fmt::format("{:.3f}", static_cast<double>(last - k) * T));
         k = last;
         continue;
       }
       fastest = std::abs(e.r[last] - e.r[k]) / static_cast<double>(last - k);
     }
-    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", letter, printed(e.r[last], unit),
+    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", dialect.axis, printed(e.r[last], unit),
                        fastest / T * 60.0 * scale_of(unit));
     k = last;
   }

@@ -11,6 +11,7 @@
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
+#include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/health/health.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/circle_track.hpp>
@@ -367,10 +368,10 @@ std::vector<std::string> motion_commands(const std::string& file, const MachineD
     speeds +=
         fmt::format(" \"{:.3g} {}/s\"", three_digits_below(0.999 * u.per_metre * share * top), u.travel);
   const std::string begin = fmt::format("stribeck excite {} --axis {} --method", quoted(file), quoted(name));
-  return {fmt::format("{} jog --speeds{} --lead \"{:.6g} {}\" -o {}-health-jog.csv --gcode {}-health-jog.ngc",
-                      begin, speeds, u.per_metre * stretch, u.travel, name, name),
-          fmt::format("{} constant-acceleration -o {}-health-mass.csv --gcode {}-health-mass.ngc", begin,
-                      name, name)};
+  return {fmt::format("{} jog --speeds{} --lead \"{:.6g} {}\" -o {}-health-jog.csv{}", begin, speeds,
+                      u.per_metre * stretch, u.travel, name, gcode_option(name, name + "-health-jog")),
+          fmt::format("{} constant-acceleration -o {}-health-mass.csv{}", begin, name,
+                      gcode_option(name, name + "-health-mass"))};
 }
 
 }  // namespace stribeck::workflow

@@ -32,6 +32,15 @@ void show_as_rotary(io::Log& log) {
   }
 }
 
+bool may_be_lathe(const MachineDescription& machine) {
+  std::string letters;
+  for (const auto& [name, axis] : machine.axes) {
+    if (!axis.rotary) letters += ident::excitation::gcode_word(name).substr(0, 1);
+  }
+  return letters.find('X') != std::string::npos && letters.find('Z') != std::string::npos &&
+         letters.find('Y') == std::string::npos;
+}
+
 }  // namespace
 
 AxisExcitation excite_axis(const ExcitationOptions& options, const std::string& machine_file,
@@ -41,6 +50,7 @@ AxisExcitation excite_axis(const ExcitationOptions& options, const std::string& 
   require_force_limit(machine, machine_file, index);
   ident::excitation::SafeExcitation safe = make_excitation(options, machine, index);
   AxisExcitation out{machine.name, axis, options.method, {}, safety_notes(safe, machine, index), {}};
+  out.of_lathe = may_be_lathe(machine) && ident::excitation::gcode_word(axis).starts_with('X');
   const ident::excitation::Excitation& e = safe.excitation;
   sim::Recording table;
   table.t = e.t;

@@ -19,6 +19,7 @@ struct AxisExcitation {
   std::vector<std::string> notes;  ///< safety_notes()
   io::Log log;                     ///< t and r, or t, f and what the drive takes; the notes in its head
   bool rotary = false;             ///< the log is in deg and N m
+  bool of_lathe = false;  ///< X of a machine with X and Z and without Y: its control may count diameters
 };
 
 /// Designs it for an axis of a machine file.

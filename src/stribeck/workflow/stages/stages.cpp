@@ -15,6 +15,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/shell_words.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/fingerprint.hpp>
@@ -285,9 +286,9 @@ class AxisStages {
   /// The command that designs the log to record next.
   void record(const std::string& method) {
     const std::string suffix = axis_.stage == CommissionStage::kNotVerified ? std::string(kVerify) : method;
-    axis_.next.push_back(fmt::format(
-        "stribeck excite {} --axis {} --method {} -o {}-{}-reference.csv --gcode {}-{}.ngc",
-        report::shell_quoted(options_.machine), axis_.axis, method, axis_.axis, suffix, axis_.axis, suffix));
+    axis_.next.push_back(fmt::format("stribeck excite {} --axis {} --method {} -o {}-{}-reference.csv{}",
+                                     report::shell_quoted(options_.machine), axis_.axis, method, axis_.axis,
+                                     suffix, gcode_option(axis_.axis, axis_.axis + "-" + suffix)));
     axis_.next.push_back(fmt::format("run it, record it as {}/{}-{}.csv, and give this command again",
                                      options_.folder, axis_.axis, suffix));
   }
