@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,7 @@
 #include <stribeck/workflow/circle_logs.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
 #include <stribeck/workflow/judge/circle_track.hpp>
+#include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -117,9 +119,59 @@ void refuse_other_paths(const io::Log& log, const Track& t, const circle::Circle
            commanded ? "commanded" : "measured", 1e3 * low, 1e3 * high)});
 }
 
+/// What --map must say of the columns where the axis `wide` counts diameters.
+std::string diameter_map(const io::Log& log, const Track& t, const CircleMap& map, std::size_t wide) {
+  std::vector<std::string> options;
+  for (std::size_t a = 0; a < 2; ++a) {
+    for (const bool commanded : {false, true}) {
+      if (commanded && t.rx.empty()) continue;
+      const std::string key = std::string(commanded ? "r" : "") + (a == 0 ? "x" : "y");
+      const auto column = commanded     ? commanded_column(log, t.axes[a])
+                          : t.scale     ? scale_column(log, t.axes[a])
+                          : map.empty() ? std::optional(position_column(log, t.axes[a]))
+                                        : std::nullopt;
+      const std::string unit = column && !column->unit.empty() ? column->unit : "mm";
+      options.push_back(fmt::format("--map {}=\"{} {}{}\"", key, column ? column->column->name : "COLUMN",
+                                    a == wide ? "0.5 " : "", unit));
+    }
+  }
+  return report::joined(options, " ");
+}
+
+/// A lathe may count X in diameter: an ellipse twice as wide as high, which is a circle with half of that axis.
+void refuse_diameter(const io::Log& log, const Track& t, const CircleMap& map, const std::string& where) {
+  constexpr double kSame = 0.03;      // of the spans
+  constexpr double kOnCircle = 0.05;  // of the radius
+  constexpr double kMostRows = 0.7;   // the others lead in and out
+  if (t.ball_bar || t.x.empty()) return;
+  const std::array<const std::vector<double>*, 2> at = {t.rx.empty() ? &t.x : &t.rx,
+                                                        t.rx.empty() ? &t.y : &t.ry};
+  std::array<double, 2> middle{}, span{};
+  for (std::size_t a = 0; a < 2; ++a) {
+    const auto [low, high] = std::minmax_element(at[a]->begin(), at[a]->end());
+    middle[a] = 0.5 * (*low + *high), span[a] = *high - *low;
+  }
+  const std::size_t wide = span[0] > span[1] ? 0 : 1, other = 1 - wide;
+  if (!(std::abs(span[wide] - 2.0 * span[other]) <= kSame * span[wide])) return;
+  const double radius = 0.5 * span[other];
+  std::size_t on = 0;
+  for (std::size_t i = 0; i < t.x.size(); ++i) {
+    const double here = std::hypot(0.5 * ((*at[wide])[i] - middle[wide]), (*at[other])[i] - middle[other]);
+    if (std::abs(here - radius) <= kOnCircle * radius) ++on;
+  }
+  if (static_cast<double>(on) < kMostRows * static_cast<double>(t.x.size())) return;
+  throw io::InputError(
+      {log.source, 0, where,
+       fmt::format(
+           "{0} covers twice as much as {1}, and with half of {0} the rows are a circle with a radius of {2:.4g} mm: {0} is in diameter, as a "
+           "lathe may count it (give half a millimetre for each of {0}, {3})",
+           t.axes[wide], t.axes[other], 1e3 * radius, diameter_map(log, t, map, wide))});
+}
+
 /// One circle for each direction of travel, without run-in and run-out.
-void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, const std::string& where,
-                 double radius, std::vector<std::string>& rows) {
+void add_circles(report::CircleLog& one, const io::Log& log, const CircleMap& map, const Track& t,
+                 const std::string& where, double radius, std::vector<std::string>& rows) {
+  refuse_diameter(log, t, map, where);
   const circle::CircleMotion motion = motion_of(t, radius);
   // Where no circle is found, the test says what is missing.
   if (motion.runs.empty()) {
@@ -265,7 +317,7 @@ Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, 
           {log.source, 0, where,
            fmt::format("is a circle in another plane than {} (judge each plane alone)", wheres.front())});
     const Track chosen = chosen_rows(log, track, where);
-    add_circles(j.one, log, chosen, where, radius, j.rows);
+    add_circles(j.one, log, map, chosen, where, radius, j.rows);
     for (std::size_t i = 0; i < chosen.row.size(); ++i) j.all.append(chosen, i);
   }
   return j;

@@ -2,11 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/circle_logs.hpp>
 #include <stribeck/workflow/judge/circle_track.hpp>
 #include <string>
+#include <vector>
 
 namespace stribeck::workflow::circle_track_test {
 namespace {
@@ -63,6 +67,41 @@ TEST(CircleTrack, ThePlaneIsThatOfTheChosenRows) {
   EXPECT_EQ(circle_track(log, {}, 20e-3, "plane=17").axes, (ident::circle::AxisNames{"x", "y"}));
   EXPECT_EQ(circle_track(log, {}, 20e-3, "plane=18").axes, (ident::circle::AxisNames{"x", "z"}));
   EXPECT_THAT(circle_track(log, {}, 20e-3).notes, Contains(HasSubstr("z travels 40 mm in this log")));
+}
+
+/// What judge_circles() refuses of one log; empty: nothing.
+std::string refusal_of(const io::Log& log, const std::vector<std::string>& maps = {}) {
+  CircleOptions options;
+  options.logs = {log.source};
+  options.maps = maps;
+  try {
+    judge_circles(options, {log});
+    return {};
+  } catch (const io::InputError& e) {
+    return e.what();
+  }
+}
+
+// A lathe counts X in diameter, and its circle is an ellipse twice as wide as high: it was one of which the "longest arc" is missing.
+TEST(CircleTrack, NamesAnAxisThatIsInDiameter) {
+  std::string text = "t [s],x_cmd [mm],x_act [mm],z_cmd [mm],z_act [mm]\n";
+  std::string flat = "t [s],x [mm],y [mm]\n";
+  for (int k = -50; k <= 720; ++k) {
+    const double angle = 2.0 * kPi * std::max(k, 0) / 360.0;
+    const double in = k < 0 ? 0.1 * k : 0.0;  // leads in
+    const double x = 270.0 + 60.0 * std::cos(angle) + in, z = 300.0 + 30.0 * std::sin(angle);
+    text += fmt::format("{},{},{},{},{}\n", 0.01 * k, x, x + 0.002, z, z - 0.001);
+    // A rectangle of two to one.
+    flat += fmt::format("{},{},{}\n", 0.01 * k, 60.0 * std::clamp(1.6 * std::cos(angle), -1.0, 1.0),
+                        30.0 * std::clamp(1.6 * std::sin(angle), -1.0, 1.0));
+  }
+  const io::Log log = io::parse_log(text, "lathe.csv");
+  EXPECT_THAT(refusal_of(log), AllOf(HasSubstr("x is in diameter, as a lathe may count it"),
+                                     HasSubstr("a circle with a radius of 30 mm"),
+                                     HasSubstr("--map x=\"x_act 0.5 mm\" --map rx=\"x_cmd 0.5 mm\" --map "
+                                               "y=\"z_act mm\" --map ry=\"z_cmd mm\"")));
+  EXPECT_EQ(refusal_of(log, {"x=x_act 0.5 mm", "rx=x_cmd 0.5 mm", "y=z_act mm", "ry=z_cmd mm"}), "");
+  EXPECT_EQ(refusal_of(io::parse_log(flat, "flat.csv")).find("diameter"), std::string::npos);
 }
 
 TEST(CircleTrack, HasTheNamesOfTheColumnsThatAreMapped) {
