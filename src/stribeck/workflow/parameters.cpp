@@ -202,6 +202,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     if (given.content.axis && !given.content.axis->empty() && *given.content.axis != name)
       p.assumed.push_back(fmt::format("{} says that it is of axis {}, and is used for axis {}", given.file,
                                       *given.content.axis, name));
+    if (std::find(axes.begin(), axes.end(), given.axis) == axes.end())
+      p.assumed.push_back(
+          fmt::format("{} has no effect: the path does not move axis {} (choose a path that does, --path)",
+                      given.file, name));
   }
   for (const std::size_t i : axes)
     if (!machine.axes[i].second.truth_from.empty()) fill_in(p.knowledge[i], machine.axes[i].second);

@@ -34,6 +34,36 @@ TEST(Parameters, AnAxisWithoutItsKalmanObserverIsSaidOnce) {
   EXPECT_THAT(check_coverage(result, {0}, parameters), testing::IsEmpty());
 }
 
+// A file that changes nothing is said to, or its axis would seem to have been judged.
+TEST(Parameters, AFileOfAnAxisThatRestsHasNoEffect) {
+  const test::Folder folder;
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  const std::string model = folder.write("m.toml", R"(mass = "60000 kg"
+load = "0 N"
+[friction]
+eccentric = []
+places = []
+[friction.steady]
+kind = "conventional"
+alpha0 = "1000 N"
+alpha2 = "100 N s/mm"
+[friction.dynamics]
+kind = "static"
+)");
+  const sim::Machine machine = read_virtual_machine(machine_file);
+  sim::CompareSpec spec;
+  spec.axes = {0};
+  ParameterOptions options;
+  options.source = "thesis";
+  const auto said = [&](const std::string& axis) {
+    options.axis_files = {axis + "=" + model};
+    return get_parameters(machine, machine_file, options, spec).assumed;
+  };
+  EXPECT_THAT(said("y"), testing::ElementsAre(
+                             testing::HasSubstr("m.toml has no effect: the path does not move axis y")));
+  EXPECT_THAT(said("x"), testing::IsEmpty());
+}
+
 // The axis is simulated as this model: an identification from simulated logs would find it again, after half a minute.
 TEST(Parameters, TheModelThatIsSimulatedIsNotIdentifiedAgain) {
   const test::Folder folder;

@@ -284,6 +284,9 @@ bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& option
     std::string scale = six_digits(gain);
     const bool ratio = e.what == LogQuantity::kTorque && options.drive.rotary;
     if (ratio) scale = "a ratio of " + scale.substr(0, scale.find(' '));
+    // "8 N", "8 N/A" of an axis that is carried at a radius of 1 m.
+    if (const auto newton = scale.find(" N"); options.drive.rotary && newton != std::string::npos)
+      scale.insert(newton + 2, " m");
     notes.push_back(fmt::format("the {} is that of column {} with {}{}, from the drive of the machine file",
                                 options.drive.rotary ? "torque" : "force",
                                 io::in_quotes(header_of(*e.from.column)), scale,

@@ -289,6 +289,24 @@ TEST(LogAxis, ScalesOfTheForce) {
   EXPECT_EQ(axis_of(both).force_unit, "A");
 }
 
+// 8 N at a radius of 1 m are 8 N m to whoever reads it.
+TEST(LogAxis, TheScaleOfAnAxisThatTurnsIsATorque) {
+  workflow::LogOptions options;
+  options.drive.rotary = true;
+  options.drive.lead = "360 deg";
+  options.drive.at_100_percent = "8 N";
+  options.drive.per_ampere = "2.5 N/A";
+  const std::string percent = csv("t [s],x [deg],torque [%]", {"t", "x_mm", "percent"});
+  EXPECT_THAT(workflow::logged_axis(log_of(percent), options).notes,
+              Contains(HasSubstr("with 8 N m at 100 %")));
+  const std::string ampere = csv("t [s],x [deg],i [A]", {"t", "x_mm", "f"});
+  EXPECT_THAT(workflow::logged_axis(log_of(ampere), options).notes, Contains(HasSubstr("with 2.5 N m/A")));
+  options.drive.rotary = false;
+  const std::string straight = csv("t [s],x [mm],torque [%]", {"t", "x_mm", "percent"});
+  EXPECT_THAT(workflow::logged_axis(log_of(straight), options).notes,
+              Contains(HasSubstr("with 8 N at 100 %")));
+}
+
 TEST(LogAxis, TurningAxes) {
   const std::string text =
       csv("t [s],pos [deg],velocity [rpm],torque [Nm]", {"t", "turns_deg", "rpm", "torque"});

@@ -19,8 +19,9 @@ std::string list_of(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// [m]; of an axis that turns [rad], which is the arc at a radius of 1 m.
 std::vector<double> axis_in_si(const io::Log& table, const std::string& axis,
-                               const std::vector<std::string>& axes) {
+                               const std::vector<std::string>& axes, bool turns) {
   const io::Column* found = find_axis(table, axis);
   if (found == nullptr) {
     std::vector<std::string> there;
@@ -29,8 +30,10 @@ std::vector<double> axis_in_si(const io::Log& table, const std::string& axis,
                           fmt::format("no such column, found {} (a path has one column per axis: {})",
                                       list_of(there), list_of(axes))});
   }
+  const Quantity angle = quantity("rad", "deg");
+  const bool in_angle = turns && io::is_convertible("1 " + found->unit_text, angle);
   try {
-    return io::in_si(*found, quantity("m", "mm"));
+    return io::in_si(*found, in_angle ? angle : quantity("m", "mm"));
   } catch (const io::InputError& e) {
     io::Problem problem = e.problems().front();
     problem.file = table.source;
@@ -87,7 +90,8 @@ const io::Column* find_axis(const io::Log& table, std::string_view axis) {
   return found;
 }
 
-PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes) {
+PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes,
+                         const std::vector<bool>& turns) {
   PathColumns path;
   path.source = table.source;
   path.notes.assign(table.notes.begin(), table.notes.end());
@@ -106,7 +110,13 @@ PathColumns path_columns(const io::Log& table, const std::vector<std::string>& a
                        list_of(axes))});
     }
   }
-  for (const auto& axis : axes) path.axes.push_back(axis_in_si(table, axis, axes));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const bool rotary = i < turns.size() && turns[i];
+    path.axes.push_back(axis_in_si(table, axes[i], axes, rotary));
+    if (rotary)
+      path.notes.push_back(fmt::format(
+          "axis {} turns: it is carried as an arc at a radius of 1 m, 1 deg is 17.45 mm", axes[i]));
+  }
   refuse_far_points(table, path, axes);
 
   const auto same = [&](std::size_t a, std::size_t b) {

@@ -32,7 +32,9 @@ struct PathColumns {
   bool closed = false;                    ///< the last point equals the first and is left out
   std::vector<std::string> notes;         ///< what was found or merged, one sentence each
 };
-PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes);
+/// `turns` says for each axis whether it turns: it may then be in degrees, which are arcs at a radius of 1 m; empty: none does.
+PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes,
+                         const std::vector<bool>& turns = {});
 
 /// The table in a file; no side file is read.
 io::Log read_path_table(const std::string& file);
@@ -51,8 +53,9 @@ struct PathPoints {
 
 /// `read_path_points<3>("part.csv", {"x", "y", "z"})`
 template <std::size_t N>
-PathPoints<N> path_points(const io::Log& table, const std::vector<std::string>& axes) {
-  PathPoints<N> p{path_columns(table, axes), {}};
+PathPoints<N> path_points(const io::Log& table, const std::vector<std::string>& axes,
+                          const std::vector<bool>& turns = {}) {
+  PathPoints<N> p{path_columns(table, axes, turns), {}};
   p.points.resize(p.columns.rows.size());
   for (std::size_t i = 0; i < N; ++i) {
     for (std::size_t k = 0; k < p.points.size(); ++k) p.points[k][i] = p.columns.axes.at(i)[k];

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <stribeck/workflow/path/path_file.hpp>
 #include <string>
 #include <utility>
@@ -61,6 +62,20 @@ TEST(PathFile, OutAndBackIsNotClosed) {
   const auto p = workflow::path_points<2>(table("x [mm],y [mm]\n0,0\n1,1\n0,0\n"), kPlane);
   EXPECT_FALSE(p.columns.closed);
   EXPECT_EQ(p.points.size(), 3U);
+}
+
+// The table of a rotary axis is in degrees, which the path carries as arcs at a radius of 1 m.
+TEST(PathFile, PointsOfAnAxisThatTurnsAreInDegrees) {
+  const std::string text = "x [mm],c [deg]\n0,0\n20,30\n40,-90\n";
+  const auto p = workflow::path_points<2>(table(text), {"x", "c"}, {false, true});
+  EXPECT_NEAR(p.points[1][0], 20e-3, 1e-15);
+  EXPECT_NEAR(p.points[1][1], std::numbers::pi / 6.0, 1e-15);
+  EXPECT_NEAR(p.points[2][1], -std::numbers::pi / 2.0, 1e-15);
+  EXPECT_THAT(p.columns.notes, Contains(HasSubstr("axis c turns")));
+  // Arcs in millimetres stay what they are; a linear axis has no degrees.
+  const std::string arcs = "x [mm],c [mm]\n0,0\n20,500\n";
+  EXPECT_NEAR(workflow::path_points<2>(table(arcs), {"x", "c"}, {false, true}).points[1][1], 0.5, 1e-15);
+  EXPECT_THAT(refusal(text, {"x", "c"}), HasSubstr("got \"deg\", expected a unit like m"));
 }
 
 TEST(PathFile, CurveKeepsItsMemoryWhenMoved) {

@@ -72,8 +72,12 @@ template <std::size_t N>
 void plan(sim::CompareSpec& spec, const PathOptions& o, const std::vector<double>& speeds, double tolerance,
           const io::Log& table, const sim::Machine& machine) {
   std::vector<std::string> names;
-  for (const std::size_t axis : spec.axes) names.push_back(machine.axes[axis].first);
-  const PathPoints<N> from = path_points<N>(table, names);
+  std::vector<bool> turns;
+  for (const std::size_t axis : spec.axes) {
+    names.push_back(machine.axes[axis].first);
+    turns.push_back(machine.axes[axis].second.rotary);
+  }
+  const PathPoints<N> from = path_points<N>(table, names, turns);
   const sim::PartLimits<N> limits = part_limits<N>(o, machine, spec.axes);
   std::string note;
   for (const std::string& found : from.columns.notes) note += found + '\n';
