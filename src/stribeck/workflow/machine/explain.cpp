@@ -89,9 +89,30 @@ class Explanation {
     add("speed", travel(l.speed) + "/s", note);
     add("acceleration", travel(l.acceleration) + "/s2",
         fmt::format("top speed after {} s and {} {}", significant(l.speed / l.acceleration, 3),
-                    significant(0.5 * u_.per_metre * l.speed * l.speed / l.acceleration, 3), u_.travel));
+                    significant(0.5 * u_.per_metre * l.speed * l.speed / l.acceleration, 3), u_.travel) +
+            implausible());
     out_.numbers["travel_mm"] = {l.travel_min * 1e3, l.travel_max * 1e3};
     out_.numbers["speed_mm_per_s"] = l.speed * 1e3;
+  }
+
+  /// What no machine has: most likely a slip of a unit, mm/min for m/min, m/s² for mm/s².
+  [[nodiscard]] std::string implausible() const {
+    const sim::AxisLimits& l = a_.limits;
+    constexpr double kGravity = 9.80665;  // [m/s²]
+    constexpr double kMost = 1000.0;      // of it
+    if (const double needed = 0.5 * l.speed * l.speed / l.acceleration, there = l.travel_max - l.travel_min;
+        needed > there)
+      return fmt::format(
+          ". Attention: the travel is {} {}, so that the axis never reaches its speed: check the units of speed and acceleration",
+          short_number(there * u_.per_metre), u_.travel);
+    if (!a_.rotary && l.acceleration > kMost * kGravity)
+      return fmt::format(". Attention: that is {} times gravity: check the unit of acceleration",
+                         significant(l.acceleration / kGravity, 3));
+    if (l.speed < l.acceleration * period_)
+      return fmt::format(
+          ". Attention: that is less than one control period, {} ms: check the units of speed, acceleration and sample_time",
+          short_number(1e3 * period_));
+    return {};
   }
 
   void drive() {
