@@ -43,13 +43,19 @@ void ask(MachineDraft& draft) {
   for (const std::string& axis : draft.axes) {
     for (const Asked& a : asked_keys()) {
       const std::string key = fmt::format("{}.{}.{}", axis, a.group, a.key);
+      if (!worth_asking(draft, axis, a)) continue;
       while (draft.find(key) == nullptr) {
         const bool rotary = !a.rotary_example.empty() && draft.rotary(axis);
-        fmt::print("{}: {}, e.g. {}: ", key, info_of(a).doc, rotary ? a.rotary_example : a.example);
+        const std::string_view doc = info_of(a).doc;
+        fmt::print("{}: {}", key, doc);
+        if (doc.find("e.g. \"") == std::string_view::npos)
+          fmt::print(", e.g. {}", rotary ? a.rotary_example : a.example);
+        fmt::print(": ");
         std::fflush(stdout);
         std::string answer;
         if (!std::getline(std::cin, answer) || answer.find_first_not_of(" \t") == std::string::npos) break;
         try {
+          answer = as_answered(a, answer);
           check_value(draft, key, key, answer);
           draft.values.emplace_back(key, answer);
         } catch (const io::InputError& e) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <stribeck/core/walk_fields.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -64,6 +65,14 @@ std::string full_key(const std::string& axis, const Asked& a) {
   return fmt::format("{}.{}.{}", axis, a.group, a.key);
 }
 
+/// What the reader says of a file; here the text is no file, and quotes are none of its business.
+std::string of_answer(std::string message) {
+  for (const std::string_view of_file : {" (without quotes)", " without quotes"}) {
+    if (const auto at = message.find(of_file); at != std::string::npos) message.erase(at, of_file.size());
+  }
+  return message;
+}
+
 /// What the reader of files says about one line of a group, of an axis that turns or not; empty: nothing.
 template <class Group>
 std::string problem_of(const std::string& line, std::string_view key, bool rotary) {
@@ -77,7 +86,7 @@ std::string problem_of(const std::string& line, std::string_view key, bool rotar
     }
     io::read<Group>(node, problems);
     for (const io::Problem& p : problems.all()) {
-      if (p.key.substr(0, key.size()) == key) return p.message;
+      if (p.key.substr(0, key.size()) == key) return of_answer(p.message);
     }
   } catch (const io::InputError& e) {
     return e.problems().front().message;
@@ -133,6 +142,34 @@ const std::vector<Asked>& known_keys() {
   return kAll;
 }
 
+/// Keys of a drive of which the file takes one: a motor has torque or force, and the travel per turn is said once.
+constexpr std::array<std::string_view, 3> kOfForce{"rated_force", "force_constant", "peak_force"};
+constexpr std::array<std::string_view, 3> kOfTorque{"rated_torque", "torque_constant", "peak_torque"};
+constexpr std::array<std::string_view, 3> kTravelPerTurn{"lead", "pulley_diameter", "travel_per_turn"};
+
+bool is_one_of(std::string_view key, const std::array<std::string_view, 3>& keys) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+bool exclude_each_other(std::string_view a, std::string_view b) {
+  if (a == b) return false;
+  const auto turns = [](std::string_view key) {
+    return is_one_of(key, kOfTorque) || is_one_of(key, kTravelPerTurn);
+  };
+  return (is_one_of(a, kOfForce) && turns(b)) || (is_one_of(b, kOfForce) && turns(a)) ||
+         (is_one_of(a, kTravelPerTurn) && is_one_of(b, kTravelPerTurn));
+}
+
+/// The key of the same drive that is given and leaves no room for this one; empty: none.
+std::string excluded_by(const MachineDraft& draft, const std::string& axis, const Asked& asked) {
+  if (asked.group != "drive") return {};
+  for (const Asked& a : known_keys()) {
+    if (a.group != "drive" || !exclude_each_other(a.key, asked.key)) continue;
+    if (draft.find(full_key(axis, a)) != nullptr) return full_key(axis, a);
+  }
+  return {};
+}
+
 /// What a key that no group has could have been.
 [[noreturn]] void refuse_key(const MachineDraft& draft, const std::string& option, const std::string& key,
                              const std::vector<std::string>& all) {
@@ -170,12 +207,14 @@ const std::vector<Asked>& asked_keys() {
       {"limits", "speed", "30 m/min", true, "20 rpm"},
       {"limits", "acceleration", "2 m/s2", true, "500 deg/s2"},
       {"drive", "rated_torque", "2.4 N m", false},
+      {"drive", "peak_torque", "7.2 N m", false},
       {"drive", "rated_force", "300 N", false, "300 N m"},
       {"drive", "torque_limit", "300 %", false},
       {"drive", "lead", "10 mm", false, "360 deg"},
       {"drive", "travel_per_turn", "120 mm", false, "4 deg"},
       {"drive", "gear", "3", false},
       {"drive", "motors", "1", false},
+      {"drive", "rotor_inertia", "0.05 kg cm2", false},
       {"drive", "brake", "true", false},
       {"commissioning", "mass", "45 kg", true, "2 kg m2"},
       {"commissioning", "friction", "40 N", true, "8 N m"},
@@ -183,6 +222,31 @@ const std::vector<Asked>& asked_keys() {
       {"commissioning", "encoder_resolution", "1 um", false, "0.0001 deg"},
   };
   return kKeys;
+}
+
+bool worth_asking(const MachineDraft& draft, const std::string& axis, const Asked& asked) {
+  if (!excluded_by(draft, axis, asked).empty()) return false;
+  const auto given = [&](std::string_view key) {
+    return draft.find(fmt::format("{}.drive.{}", axis, key)) != nullptr;
+  };
+  if (asked.group != "drive") return true;
+  if (asked.key == "peak_torque" || asked.key == "rotor_inertia") return given("rated_torque");
+  if (asked.key == "gear")
+    return std::any_of(kTravelPerTurn.begin(), kTravelPerTurn.end(),
+                       given);  // without it the gear has no effect
+  return true;
+}
+
+std::string as_answered(const Asked& asked, const std::string& answer) {
+  if (scalar_of(*info_of(asked).type).kind != Kind::kSwitch) return answer;
+  const std::string word = io::lower_case(answer);
+  for (const char* yes : {"yes", "y", "ja", "j"}) {
+    if (word == yes) return "true";
+  }
+  for (const char* no : {"no", "n", "nein"}) {
+    if (word == no) return "false";
+  }
+  return answer;
 }
 
 const FieldInfo& info_of(const Asked& asked) {
@@ -222,9 +286,14 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
   const auto at = static_cast<std::size_t>(hit - all.begin()) % known_keys().size();
   const Asked& asked = known_keys()[at];
   const OfAxis kind = axis_of(asked, value);
-  if (kind == OfAxis::kNone) refuse_option(option, key + ": " + problem_of(asked, value, false));
-  if (kind == OfAxis::kBoth) return;
+  // Asked for on a terminal, the key is what the message names in place of an option.
+  const std::string of_key = option == key ? std::string() : key + ": ";
+  if (kind == OfAxis::kNone) refuse_option(option, of_key + problem_of(asked, value, false));
   const std::string axis = key.substr(0, key.find('.'));
+  if (const std::string other = excluded_by(draft, axis, asked); !other.empty())
+    refuse_option(option, fmt::format("{}got {} beside {} = {}: expected one of both (leave one out)", of_key,
+                                      io::in_quotes(value), other, io::in_quotes(*draft.find(other))));
+  if (kind == OfAxis::kBoth) return;
   for (const Asked& a : known_keys()) {
     const std::string* given = draft.find(full_key(axis, a));
     if (given == nullptr || full_key(axis, a) == key) continue;
@@ -233,8 +302,8 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
     refuse_option(
         option,
         fmt::format(
-            "{}: got {} beside {} = {}: one value is for a rotary axis, the other for a linear one (give both in deg or both in mm)",
-            key, io::in_quotes(value), full_key(axis, a), io::in_quotes(*given)));
+            "{}got {} beside {} = {}: one value is for a rotary axis, the other for a linear one (give both in deg or both in mm)",
+            of_key, io::in_quotes(value), full_key(axis, a), io::in_quotes(*given)));
   }
 }
 

@@ -120,6 +120,12 @@ struct MachineDraft {
   [[nodiscard]] bool rotary(const std::string& axis) const;
 };
 
+/// Whether to ask for a key of an axis after the answers that are there: a motor with a torque has no force, a lead is the travel per turn.
+bool worth_asking(const MachineDraft& draft, const std::string& axis, const Asked& asked);
+
+/// The answer of a person as the file has it: yes and no of a switch are true and false.
+std::string as_answered(const Asked& asked, const std::string& answer);
+
 /// Refuses keys that init does not know and values that the file could not hold. `option`: where the text came from.
 void check_value(const MachineDraft& draft, const std::string& option, const std::string& key,
                  const std::string& value);
