@@ -158,5 +158,16 @@ TEST(Health, RefusesAnArchiveThatIsNoArchive) {
   EXPECT_THAT(refusal(folder, {}), HasSubstr("2026-11-01-x.toml"));
 }
 
+// The first test fixes the motion of the archive: its commands are wanted before it.
+TEST(Health, PrintsTheMotionWhereNoArchiveIs) {
+  const Folder folder;
+  const Said said = command({"health", kMachine, "--archive", folder / "none"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.err, HasSubstr("no such folder"));
+  for (const std::string axis : {"x", "y"})
+    EXPECT_THAT(said.out, HasSubstr("--axis " + axis + " --method constant-acceleration -o " + axis +
+                                    "-health-mass.csv --gcode " + axis + "-health-mass.ngc"));
+}
+
 }  // namespace
 }  // namespace stribeck::test::health_test

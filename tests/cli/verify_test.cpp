@@ -67,6 +67,25 @@ TEST(Verify, ComparesAxisFilesOnALog) {
   EXPECT_EQ(result_of(folder / "v.json"), before);
 }
 
+// A model fits the log that it comes from, and its verdict on that log is no promise.
+TEST(Verify, SaysThatALogIsOneThatTheModelWasIdentifiedFrom) {
+  const Folder folder;
+  const std::string axis = folder.write(
+      "axis.toml",
+      "# Axis x: conventional, identified from a.csv, logs/b.csv by stribeck 0.1.0 (auto).\n" + kAxis);
+  const std::string own = folder.write("b.csv", log_text(20.0));
+  const std::string other = folder.write("c.csv", log_text(20.0));
+  EXPECT_THAT(command({"verify", axis, own}).out,
+              HasSubstr("its first line names b.csv among the logs that it was identified from"));
+  EXPECT_THAT(command({"verify", axis, other}).out, testing::Not(HasSubstr("its first line names")));
+  // Without --axis it is the file that is of another axis.
+  const std::string of_y = folder.write("y.toml", "axis = \"y\"\n" + kAxis);
+  const std::string of_x = folder.write("x-log.csv", "# axis: x\n" + log_text(20.0));
+  EXPECT_THAT(
+      command({"verify", kMachine, of_y, of_x}).err,
+      AllOf(HasSubstr("y.toml"), HasSubstr("axis: is of axis \"y\", and not every log is one of that axis")));
+}
+
 TEST(Verify, GivesAVerdictAndAnExitCode) {
   const Folder folder;
   const std::string axis = folder.write("axis.toml", kAxis);

@@ -28,6 +28,8 @@ int run_health(HealthCommand& o) {
   inputs.insert(inputs.end(), o.what.circles.begin(), o.what.circles.end());
   inputs.push_back(o.what.machine);
   check_distinct(inputs, {page_of(o.common), o.common.json});
+  if (const std::string first = before_first_test(o.what, o.archive); !first.empty())
+    say(o.common, first + '\n');
   check_health_options(o.what, o.archive);
   o.what.limits = {0.01 * o.limit, 0.01 * o.drift_limit};
   const OutputFolder page_folder = check_outputs(o.common);

@@ -328,6 +328,18 @@ void check_health_options(const HealthOptions& o, const std::string& archive) {
                                                               : "missing, but --size is given");
 }
 
+std::string before_first_test(const HealthOptions& o, const std::string& archive) {
+  std::error_code ignored;
+  if (!o.logs.empty() || !o.circles.empty() || std::filesystem::is_directory(archive, ignored)) return {};
+  const MachineDescription machine = read_description(o.machine);
+  std::string out = "The motion of the first test is that of all later ones. These commands design it:\n";
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    for (const std::string& one : motion_commands(o.machine, machine, i, turn_of(o, machine.axes[i].second)))
+      out += "  " + one + '\n';
+  }
+  return out + "Record them, and give the logs to this command: they begin the archive.\n";
+}
+
 report::HealthReportInput check_health(const HealthOptions& options, const ArchiveFolder& archive) {
   Session session(options, archive);
   try {

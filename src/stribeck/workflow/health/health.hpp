@@ -32,6 +32,9 @@ struct HealthOptions {
 /// Refuses options that do not go together, and an archive that is not there without logs to begin one.
 void check_health_options(const HealthOptions& options, const std::string& archive);
 
+/// What to record for the first test, with the commands that design it, where no archive is there and no log begins one; else empty.
+std::string before_first_test(const HealthOptions& options, const std::string& archive);
+
 /// The input of the page; the caller adds command and version.
 report::HealthReportInput check_health(const HealthOptions& options, const ArchiveFolder& archive);
 

@@ -12,6 +12,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/missed_force.hpp>
+#include <stribeck/workflow/judge/own_logs.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
@@ -84,6 +85,13 @@ LogOptions read_as_axis(const VerifyOptions& o, const std::vector<Model>& models
     }
   }
   if (names.size() == 1) return options;
+  if (names.empty() && o.log.axis.empty() && !models.empty() && !options.axis.empty())
+    throw io::InputError(
+        {models.front().file, 0, "axis",
+         fmt::format(
+             "is of axis {}, and not every log is one of that axis (give the axis file of the logs, or say with --axis for which axis of {} "
+             "they are taken)",
+             io::in_quotes(options.axis), o.machine)});
   refuse_option("--axis", names.empty()
                               ? fmt::format("got {}, expected an axis of {} that every log is of",
                                             io::in_quotes(options.axis), o.machine)
@@ -294,6 +302,10 @@ class Verification {
                                                               "expected a controller, kind cascade or pd");
     page_.axis = log_.axis;
     page_.limits = o.limits;
+    for (const std::string& path : o.axis_files) {
+      const std::vector<std::string> own = notes_on_own_logs(path, o.logs);
+      page_.warnings.insert(page_.warnings.end(), own.begin(), own.end());
+    }
   }
 
   VerifyReportInput run() {
