@@ -273,6 +273,25 @@ struct Judged {
   std::vector<std::string> rows;
 };
 
+/// Rows of a ball-bar against their told direction have two readings: the rows stand in reversed order, which is taken, or the angle is
+/// counted the other way. A machine with causes that differ by direction shows which one it is.
+void note_other_reading(Judged& j, const io::Log& log, const CircleMap& map, double radius) {
+  constexpr double kSeveralTimes = 3.0;
+  if (!j.all.ball_bar || !j.all.turned) return;
+  const auto bar = ball_bar_columns(log, map);
+  if (!bar) return;
+  Track other = ball_bar_track(log, *bar, radius, true);
+  if (other.turned) return;
+  other.feed = j.all.feed;
+  const auto own = circle::diagnose({motion_of(j.all, radius)});
+  const auto mirrored = circle::diagnose({motion_of(other, radius)});
+  if (!own || !mirrored || !(own->rest_rms > kSeveralTimes * mirrored->rest_rms)) return;
+  j.one.notes.push_back(fmt::format(
+      "read with the angle from +x towards -y, and the rows in their order, the causes leave {:.2g} um in place of {:.2g} um RMS: most likely the "
+      "angle is counted that way, and the causes above are wrong (give the angles the other sign in the file)",
+      1e6 * mirrored->rest_rms, 1e6 * own->rest_rms));
+}
+
 /// The feed that a ball-bar's file states; one that cannot be read is refused only where it is needed.
 void take_stated_feed(Track& t, const io::Log& log, bool needed) {
   try {
@@ -320,6 +339,7 @@ Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, 
     add_circles(j.one, log, map, chosen, where, radius, j.rows);
     for (std::size_t i = 0; i < chosen.row.size(); ++i) j.all.append(chosen, i);
   }
+  if (o.where.empty()) note_other_reading(j, log, map, radius);
   return j;
 }
 

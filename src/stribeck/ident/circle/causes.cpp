@@ -373,7 +373,33 @@ CauseWords words_of(const Diagnosis& d, CauseKind kind) {
         "switch on velocity and acceleration feed-forward, or raise the position gain of both axes; where the circle is too large, "
         "lower the acceleration feed-forward",
         true};
-  if (kind != CauseKind::kBacklash || !d.own_encoder) return words_of(kind);
+  if (!d.own_encoder) return words_of(kind);
+  // The encoder of an axis sees this axis alone, and no instrument stands beside it.
+  switch (kind) {
+    case CauseKind::kSquareness:
+      return {
+          "the positions have the form of axes that are not square, which their own encoders cannot see: the loops make it, where one axis disturbs the other",
+          "enter no angle; look at the loops at several feeds, and measure the squareness with a ball-bar or a grid encoder",
+          false};
+    case CauseKind::kStraightness:
+      return {
+          "the positions have the form of a bent guide, which their own encoders cannot see: what friction and the loops leave beside the spikes",
+          "enter no correction; compensate the friction and repeat the circle, and measure the straightness with a straight edge or a laser",
+          false};
+    case CauseKind::kLateralPlay:
+      return {
+          "the positions have the form of a slide that moves sideways, which their own encoders cannot see: the reversal of one axis disturbs the other",
+          "look at the loops of both axes at several feeds; measure play of a guide with a ball-bar or an indicator",
+          false};
+    case CauseKind::kCentre:
+      return {
+          "the middle of the positions is not the commanded one: friction, or a load, holds the axes on one side",
+          "nothing where it is small; else integral action in the loops, or compensation of friction and load",
+          false};
+    default:
+      break;
+  }
+  if (kind != CauseKind::kBacklash) return words_of(kind);
   return {
       "the position stays behind its command by this distance after each reversal: friction that the loop lets through, or play where its encoder is a scale at the table; negative: its compensation pushes too far",
       "do not enter it as backlash: identify the friction (stribeck identify) and compensate it, or give the loop more gain or integral action; measure play with a ball-bar, an indicator or a scale",

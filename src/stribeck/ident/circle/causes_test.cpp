@@ -432,6 +432,19 @@ TEST(Causes, BacklashInPositionsOfALoopIsNotToBeTypedIn) {
   EXPECT_THAT(next_step(motion), HasSubstr("then add this value to the backlash compensation"));
 }
 
+// An encoder sees its own axis alone: nothing may be aligned or entered by what its positions look like.
+TEST(Causes, WhatEncodersOfTheAxesCannotSeeIsNotToBeSetRight) {
+  Diagnosis own;
+  own.own_encoder = true;
+  for (const CauseKind kind : {CauseKind::kSquareness, CauseKind::kStraightness, CauseKind::kLateralPlay}) {
+    EXPECT_THAT(std::string(words_of(own, kind).meaning), HasSubstr("which their own encoders cannot see"));
+    EXPECT_FALSE(words_of(own, kind).parameter);
+    EXPECT_EQ(words_of(Diagnosis{}, kind).meaning, words_of(kind).meaning);
+  }
+  EXPECT_THAT(std::string(words_of(own, CauseKind::kCentre).meaning), Not(HasSubstr("instrument")));
+  EXPECT_THAT(std::string(words_of(Diagnosis{}, CauseKind::kCentre).meaning), HasSubstr("instrument"));
+}
+
 TEST(Causes, EachHasANextStep) {
   for (const auto& [kind, name] : EnumNames<CauseKind>::names) {
     EXPECT_FALSE(words_of(kind).meaning.empty()) << name;

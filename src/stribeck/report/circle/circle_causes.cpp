@@ -33,8 +33,15 @@ std::string share_of(const Cause& c) {
   return is_set_up(c.kind) ? "set-up" : decimals(100.0 * c.share, 0) + " %";
 }
 
+/// A form that the encoder of an axis cannot have seen.
+bool only_looks_like(const Diagnosis& d, const Cause& c) {
+  return d.own_encoder && (c.kind == CauseKind::kSquareness || c.kind == CauseKind::kStraightness ||
+                           c.kind == CauseKind::kLateralPlay);
+}
+
 std::string cured(const Diagnosis& d, const Cause& c) {
   if (is_set_up(c.kind)) return "no fault";
+  if (only_looks_like(d, c)) return "not seen";
   return words_of(d, c.kind).parameter ? "yes" : "no";
 }
 
@@ -76,7 +83,8 @@ std::string next_step(const Diagnosis& d, const Cause& c) {
                     c.kind == CauseKind::kScaleMismatch || c.kind == CauseKind::kStraightness ||
                     c.kind == CauseKind::kCyclic;
   const std::string next(words_of(d, c.kind).next_step);
-  if (c.kind == CauseKind::kBacklash && d.own_encoder) return next;  // nothing is set right by it
+  if (d.own_encoder && (c.kind == CauseKind::kBacklash || only_looks_like(d, c)))
+    return next;  // nothing is set right by it
   return open && !d.both_directions ? "measure the other direction too, then " + next : next;
 }
 
@@ -141,7 +149,7 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
   page.remark(
       "size: as the trade states it, with the 95 % interval; effect: how far it moves the path between its largest "
       "and smallest radius; share: of the effects of all causes; parameter: whether a parameter of the control can "
-      "cure it.");
+      "cure it; not seen: the encoders of the axes cannot see such a fault, what looks like it is made by the loops.");
   page.list("What these measurements cannot tell apart:", d.remarks);
   page.details("Quadrant peaks", [&] {
     Table peaks;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <string_view>
 
 #include <stribeck/core/scalar.hpp>
@@ -411,13 +412,14 @@ std::optional<double> stated_feed(const io::Log& log) {
   return stated_value(log, {kFeedWords, quantity("m/s", "mm/min").positive(), "--feed"});
 }
 
-CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius) {
+CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius, bool mirrored) {
   CircleTrack t;
   t.ball_bar = true;
   t.notes = columns.notes;
   std::vector<Piece> reversed;
   for (const BallBarColumns::Series& s : columns.series) {
-    const std::vector<double> angles = angles_of(log, s.angle);
+    std::vector<double> angles = angles_of(log, s.angle);
+    if (mirrored) std::transform(angles.begin(), angles.end(), angles.begin(), std::negate<>());
     const std::vector<double> radii = radii_of(log, s, radius);
     if (angles.size() != radii.size())
       throw io::InputError({log.source, 0, s.angle.column->name,
@@ -430,6 +432,7 @@ CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, do
     }
   }
   note_reversed(reversed, t.notes);
+  t.turned = !reversed.empty();
   // Times of rows that stand in another order would be no times of the motion.
   const bool in_order = columns.series.size() == 1 && std::is_sorted(t.row.begin(), t.row.end());
   if (in_order) t.t = circle_times(log, t.x.size());

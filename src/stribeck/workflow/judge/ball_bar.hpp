@@ -44,6 +44,8 @@ std::optional<double> stated_radius(const io::Log& log);
 std::optional<double> stated_feed(const io::Log& log);
 
 /// A ball-bar measures the distance from its own centre: that is the centre of the command.
-CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius);
+/// `mirrored`: the angle is counted from +x towards -y.
+CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius,
+                           bool mirrored = false);
 
 }  // namespace stribeck::workflow

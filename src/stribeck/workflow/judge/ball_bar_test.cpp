@@ -27,13 +27,13 @@ constexpr double kFeed = 1000.0 / 6e4;
 constexpr double kDegree = kPi / 180.0;
 
 /// Backlash, squareness, scale mismatch, a spike and an instrument off the centre.
-circle::VirtualRecord record(double feed = kFeed) {
+circle::VirtualRecord record(double feed = kFeed, double spike = 3e-6) {
   circle::VirtualMachine m;
   m.radius = kR;
   m.backlash[0] = 4e-6;
   m.tilt = 30e-6;
   m.scale[0] = 60e-6;
-  m.spike[1] = 3e-6;
+  m.spike[1] = spike;
   m.offset[0] = 8e-6;
   std::mt19937_64 random(7);
   return circle::travel(m, feed, 1.3, random);
@@ -265,6 +265,21 @@ TEST_F(BallBar, ToldDirectionGoesBeforeTheOrderOfTheRows) {
   for (int i = 0; i <= 1440; ++i)
     passes += fmt::format("{},{},{},-\n", i / 721, 0.5 * (i % 721), i / 721 == 1 ? 1 : 9);
   EXPECT_NEAR(judged({passes}, chosen).logs[0].circles[0].max_error, 1e-6, 1e-9);
+}
+
+// Some programs count the angle clockwise. Rows against their direction are then no reversed rows, and the causes tell.
+TEST_F(BallBar, AnAngleThatIsCountedTheOtherWayIsNamed) {
+  const auto notes = [&](double sign, bool reversed) {
+    const std::vector<Row> rows = rows_of(record(kFeed, 16e-6)), back(rows.rbegin(), rows.rend());
+    std::string text = "direction,angle [deg],radius [mm]\n";
+    for (const Row& r : reversed ? back : rows)
+      text += fmt::format("{},{:.6f},{:.7f}\n", r.counter_clockwise ? "ccw" : "cw", sign * r.angle / kDegree,
+                          1e3 * r.radius);
+    return judged({text}, sized()).logs[0].notes;
+  };
+  const auto named = Contains(HasSubstr("most likely the angle is counted that way"));
+  EXPECT_THAT(notes(-1.0, false), named);
+  for (const bool reversed : {false, true}) EXPECT_THAT(notes(1.0, reversed), testing::Not(named));
 }
 
 // The first row of the way back stands at or beyond the last angle of the way there, and belongs to it: with lateral play it is off

@@ -56,6 +56,7 @@ CircleTrack CircleTrack::empty_copy() const {
   copy.axes = axes;
   copy.scale = scale;
   copy.ball_bar = ball_bar;
+  copy.turned = turned;
   copy.feed = feed;
   return copy;
 }

@@ -24,6 +24,8 @@ struct CircleTrack {
   std::vector<int> part;         ///< of a ball-bar whose rows tell their direction; empty: not known
   bool scale = false;            ///< positions of scales at the table, beside those of the motors
   bool ball_bar = false;
+  bool turned =
+      false;  ///< rows of a ball-bar stand against their told direction, and were put into reversed order
   double feed = std::nan("");  ///< stated, where the log has no times [m/s]
   std::vector<std::string> notes;
 
