@@ -131,20 +131,18 @@ std::string shown_number(double value, double low, double high) {
 
 Table parameter_table(const ident::Result& result) {
   const ShownUnits units = units_of(result);
-  Table t{
-      "",
-      {{"parameter", "", false}, {"value", ""}, {"95 % interval", ""}, {"unit", "", false}, {"", "", false}},
-      {}};
+  Table t{"", {{"parameter", "", false}, {"value", ""}, {"95 % interval", ""}, {"unit", "", false}}, {}};
   for (const ident::Parameter& p : result.parameters) {
     const ShownParameter s = shown(p, units);
     const bool known = std::isfinite(s.low) && std::isfinite(s.high);
     t.rows.push_back(
-        {{p.name},
+        // On a small screen only the first column is always in view.
+        {Cell{.text = p.name,
+              .note = p.identifiable ? "" : "not determined by the data: do not use it alone"},
          {shown_number(s.value, s.low, s.high)},
-         {known ? shown_number(s.low, s.low, s.high) + " … " + shown_number(s.high, s.low, s.high)
+         {known ? shown_number(s.low, s.low, s.high) + "\u00A0… " + shown_number(s.high, s.low, s.high)
                 : "not known"},
-         {printed_unit(s.unit)},
-         {p.identifiable ? "" : "not determined by the data: do not use it alone"}});
+         {printed_unit(s.unit)}});
   }
   return t;
 }

@@ -224,8 +224,9 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     say(p, fmt::format("the machine file has no plant for axis {}: its identified model is simulated", name));
     p.assumed.push_back(fmt::format(
         "axis {} is simulated as the model in {} says, because {} has no plant: noise, drift and whatever else the model does not "
-        "hold are not in these figures, so the machine itself will have larger errors",
-        name, axis.truth_from, path));
+        "hold are not in these figures, so the machine itself will have larger errors; its input counts in volts all the same, {:g} V for the "
+        "largest force of the drive",
+        name, axis.truth_from, path, axis.plant.converter.range));
   }
   return p;
 }

@@ -308,8 +308,9 @@ std::string label_of_bar(double metres) {
 Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& error, std::string_view head,
               sim::Figure::OfRun figure) {
   Plot p;
-  p.title = fmt::format("{} of the {} at {}", head, error, block.text);
-  if (rows.size() < block.rows.size()) p.title += ": " + names_of(rows, block.rows) + " alone";
+  // The bars have the names of their controllers; a title that lists them has no room on a small screen.
+  p.title = rows.size() < block.rows.size() ? fmt::format("{} at {}, finer scale", head, block.text)
+                                            : fmt::format("{} of the {} at {}", head, error, block.text);
   p.y_label = error + " [µm]";
   p.width = 560;
   p.height = 300;

@@ -120,13 +120,20 @@ std::string name_of(const sim::CompareRow& row) { return "(" + row.controller.id
 std::string full_name(const sim::CompareRow& row) { return name_of(row) + " " + row.controller.label; }
 
 std::string names_of(const Rows& some, const Rows& all) {
-  if (some.empty()) return {};
-  const auto at = std::find(all.begin(), all.end(), some.front());
-  const bool follow =
-      static_cast<std::size_t>(all.end() - at) >= some.size() && std::equal(some.begin(), some.end(), at);
-  if (follow && some.size() > 2) return name_of(*some.front()) + " to " + name_of(*some.back());
   std::vector<std::string> names;
-  for (const sim::CompareRow* r : some) names.push_back(name_of(*r));
+  for (std::size_t k = 0; k < some.size();) {
+    // As many as stand behind one another in all rows.
+    auto at = std::find(all.begin(), all.end(), some[k]);
+    std::size_t last = k;
+    while (last + 1 < some.size() && at != all.end() && at + 1 != all.end() && some[last + 1] == *(at + 1))
+      ++last, ++at;
+    if (last > k + 1) {
+      names.push_back(name_of(*some[k]) + " to " + name_of(*some[last]));
+      k = last + 1;
+    } else {
+      names.push_back(name_of(*some[k++]));
+    }
+  }
   return listed(names);
 }
 

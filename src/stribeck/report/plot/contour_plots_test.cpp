@@ -51,6 +51,16 @@ TEST(ScaleGroups, TakeWhatHasNoTraceAlong) {
   EXPECT_THAT(in_words(result), ElementsAre("(a) and (b)"));
 }
 
+// A list of all names was longer than its figure is wide.
+TEST(ScaleGroups, NamesThatFollowOneAnotherAreARange) {
+  const sim::CompareResult result = with_errors({12, 0.3, 0.3, 12, 0.3, 0.3, 0.3, 12, 0.3, 0.3});
+  const Rows rows = rows_of(result, 0);
+  EXPECT_EQ(names_of({rows[1], rows[2], rows[4], rows[5], rows[6], rows[8]}, rows),
+            "(b), (c), (e) to (g) and (i)");
+  EXPECT_EQ(names_of({rows[8], rows[9]}, rows), "(i) and (j)");
+  EXPECT_EQ(names_of({}, rows), "");
+}
+
 TEST(ScaleGroups, LeaveOutTheCoarserStepByStep) {
   const sim::CompareResult result = with_errors({12, 0.3, 2, 1.9});
   const Rows rows = rows_of(result, 0);
