@@ -9,6 +9,7 @@
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/methods/position_map.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
 #include <stribeck/workflow/log/fingerprint.hpp>
@@ -46,7 +47,11 @@ CleanedLog cleaned(const io::Log& log, const std::string& name, const LogOptions
 /// The records of one axis, log by log.
 class RecordsOfAxis {
  public:
-  explicit RecordsOfAxis(const LogOptions& options) { axis_.axis = options.axis; }
+  explicit RecordsOfAxis(const LogOptions& options) {
+    axis_.axis = options.axis;
+    if (!options.drive.sample_time.empty())
+      axis_.control_period = io::to_si(options.drive.sample_time, quantity("s", "ms"));
+  }
 
   void add(CleanedLog log) {
     constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill

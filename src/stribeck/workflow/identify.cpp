@@ -271,6 +271,7 @@ Identification by_drive_fit(const IdentifyOptions& o, const AxisRecords& axis, D
   const Records& records = axis.records;
   ident::drive::DriveFitOptions options;
   options.search_shift = !axis.as_commanded;
+  options.control_period = axis.control_period;
   options.dynamics = depth == Depth::kWhole;
   if (o.terms) options.terms = o.terms;
   if (o.model == ModelChoice::kConventional) options.most_terms = 0;

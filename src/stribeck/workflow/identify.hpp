@@ -61,8 +61,9 @@ struct AxisRecords {
   std::string axis;                                       ///< name of the axis; empty: none was given
   bool rotary = false;                                    ///< travel is the arc at a radius of 1 m
   std::vector<ident::lost_motion::Positions> encoders{};  ///< of logs with two positions
-  std::string irregular{};    ///< a log whose rows were taken at irregular times; empty: none
-  bool as_commanded = false;  ///< the shift of the force is not searched: it is taken as held for each row
+  std::string irregular{};      ///< a log whose rows were taken at irregular times; empty: none
+  double control_period = 0.0;  ///< of the machine file [s]; 0: not known
+  bool as_commanded = false;    ///< the shift of the force is not searched: it is taken as held for each row
 };
 
 struct Identification {

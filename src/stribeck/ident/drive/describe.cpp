@@ -239,39 +239,36 @@ void Description::write_speeds(int s) {
 }
 
 void Description::write_shift() {
-  const double T = found_.log.records.front().sample_time;
+  const log::Record& record = found_.log.records.front();
+  const double T = record.sample_time;
+  const double hold = options_.control_period > 0.0 ? std::min(options_.control_period, T) : T;
+  const auto tell_delay = [&](double shift) {
+    if (!record.measured) result_.delay = delay_of(shift, T, hold);
+  };
   const double half = found_.intervals.factor * found_.intervals.shift_error;
   const auto say = [&](const char* what) {
     notes_.cannot_tell.push_back(text(
         "the shift between force and motion: %s any from %.2g ms earlier to %.2g ms later is possible; the "
         "intervals of mass, friction and pre-sliding allow for it; %s, or give --force-shift",
         what, 1e3 * half * T, 1e3 * half * T,
-        found_.log.records.front().r.empty() ? "record the commanded position too"
-                                             : "a log of excite --method multisine tells it"));
+        record.r.empty() ? "record the commanded position too"
+                         : "a log of excite --method multisine tells it"));
   };
-  result_.filter = found_.log.records.front().filter;
-  if (const auto& filter = result_.filter) {
-    result_.parameters.push_back({"force_filter", filter->time, "s", "ms", filter->time - filter->half_width,
-                                  filter->time + filter->half_width, true});
-    notes_.warn(text(
-        "the drive smoothed the force before it was logged, by a filter of first order of %.3g ± %.2g ms or by a mean over about %.3g ms; the filter was taken off the force before the fit, and a shift that is printed is the one without it",
-        1e3 * filter->time, 1e3 * filter->half_width, 1e3 * filter->time * std::sqrt(12.0)));
-  }
+  describe_filter(record, result_, notes_);
   if (options_.shift) {
     result_.given_shift = *options_.shift * T;
-    result_.delay = delay_of(*options_.shift, T);
+    tell_delay(*options_.shift);
   }
   if (!found_.terms.shift) {
     if (half > kVagueShift)
       say("the force is taken as commanded, but");
     else if (!options_.shift)
-      result_.delay = 0.0;
+      tell_delay(kHeldForce);
     return;
   }
   const double shift = found_.log.shift;
-  // A delay that the data do not determine is not passed on to a controller.
   const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
-  if (told) result_.delay = delay_of(shift, T);
+  if (told) tell_delay(shift);  // what is not told, no controller gets
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;
   if (!told) say("the one with the smallest residual is removed, but");

@@ -36,6 +36,9 @@ struct Found {
 /// The result without its notes, and without what add_bristle() and add_places() add.
 Result describe(const Found& found, const DriveFitOptions& options, Notes& notes);
 
+/// Adds the filter of the drive that was taken off the record, if one was.
+void describe_filter(const log::Record& record, Result& result, Notes& notes);
+
 /// Adds friction along the travel.
 void add_places(Result& result, const PlaceShares& along, const Shown& shown, Notes& notes);
 

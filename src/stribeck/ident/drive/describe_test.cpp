@@ -99,6 +99,28 @@ TEST(Describe, AShiftIsAParameterAndAWarning) {
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("3 rows (3 ms) later")));
 }
 
+// The force that the drive makes acts at once: whatever its time in the log, it shows no delay of its command.
+TEST(Describe, AMeasuredForceShowsNoDelay) {
+  Steps steps;
+  Notes notes;
+  const Result commanded = describe(steps.found(), {}, notes);
+  ASSERT_TRUE(commanded.delay);
+  EXPECT_EQ(*commanded.delay, 0.0);
+  steps.terms.shift = true;
+  steps.fit = solve(steps.log.log, steps.rows, steps.terms, &steps.fit);
+  steps.log.log.shift = -4.5;
+  steps.found_intervals = intervals(steps.log.log, steps.rows, steps.terms, steps.fit, steps.choice, true);
+  const Result late = describe(steps.found(), {}, notes);
+  ASSERT_TRUE(late.delay);
+  EXPECT_DOUBLE_EQ(*late.delay, 4e-3);
+  // The same log of every fourth command of a control of 0.25 ms: each is held for a quarter of a row.
+  DriveFitOptions fast;
+  fast.control_period = 0.25e-3;
+  EXPECT_DOUBLE_EQ(*describe(steps.found(), fast, notes).delay, 4.5e-3 - 0.125e-3);
+  (*steps.log.records)[0].measured = true;
+  EXPECT_FALSE(describe(steps.found(), {}, notes).delay);
+}
+
 // Below the slowest rows nothing was measured: static friction is not determined, and that is said once for both directions.
 TEST(Describe, StaticFrictionIsToldBySlowRowsAlone) {
   Steps steps;

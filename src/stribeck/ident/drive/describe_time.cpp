@@ -390,4 +390,15 @@ DriftWords words_of_drift(const Found& found, const LevelDrift& drift) {
   return out;
 }
 
+void describe_filter(const log::Record& record, Result& result, Notes& notes) {
+  result.filter = record.filter;
+  if (!record.filter) return;
+  const ForceFilter& filter = *record.filter;
+  result.parameters.push_back({"force_filter", filter.time, "s", "ms", filter.time - filter.half_width,
+                               filter.time + filter.half_width, true});
+  notes.warn(text(
+      "the drive smoothed the force before it was logged, by a filter of first order of %.3g ± %.2g ms or by a mean over about %.3g ms; the filter was taken off the force before the fit, and a shift that is printed is the one without it",
+      1e3 * filter.time, 1e3 * filter.half_width, 1e3 * filter.time * std::sqrt(12.0)));
+}
+
 }  // namespace stribeck::ident::drive

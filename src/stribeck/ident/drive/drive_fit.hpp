@@ -46,6 +46,7 @@ struct DriveFitOptions {
   bool places = true;           ///< search for friction that differs along the travel
   bool dynamics = true;         ///< estimate pre-sliding from reversals
   double cut_off = 0.0;         ///< Butterworth filter instead of the chosen window [Hz]; 0: window
+  double control_period = 0.0;  ///< over which a command is held, in a log of every n-th one [s]; 0: a row
   int bins = 160;               ///< of velocity, each direction
   int curve_points = 120;       ///< each direction; straight lines between them are right to 0.02 % of a bump
   int map_points = 600;         ///< for plots, each direction

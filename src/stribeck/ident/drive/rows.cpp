@@ -138,28 +138,65 @@ Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, i
   return rows;
 }
 
+namespace {
+
+/// Place of each record among all, by what it holds: the order in which logs are given decides nothing.
+std::vector<std::size_t> ranks_of_records(const Rows& rows) {
+  struct Key {
+    std::size_t rows = 0, bins = 0, at = 0;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto r = static_cast<std::size_t>(rows.record[i]);
+    if (keys.size() <= r) keys.resize(r + 1);
+    ++keys[r].rows;
+    keys[r].bins += static_cast<std::size_t>(rows.bin[i]);
+    keys[r].at += rows.at[i];
+  }
+  std::vector<std::size_t> order(keys.size()), rank(keys.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+  return rank;
+}
+
+}  // namespace
+
 void number_blocks(Rows& rows) {
-  std::array<std::size_t, map::kSides> stretches{};
-  std::array<std::size_t, map::kSides> count{};
+  const std::vector<std::size_t> rank = ranks_of_records(rows);
+  using Sides = std::array<std::size_t, map::kSides>;
+  Sides stretches{}, count{};
+  std::vector<Sides> rows_of(rank.size());  // by rank
   std::array<int, map::kSides> last{-1, -1};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t s = rows.side[i];
     ++count[s];
+    ++rows_of[rank[static_cast<std::size_t>(rows.record[i])]][s];
     if (rows.stretch[i] != last[s]) last[s] = rows.stretch[i], ++stretches[s];
+  }
+  std::vector<Sides> before(rank.size());
+  for (std::size_t r = 1; r < rank.size(); ++r) {
+    for (std::size_t s = 0; s < map::kSides; ++s) before[r][s] = before[r - 1][s] + rows_of[r - 1][s];
   }
   // Prime numbers, because programmes do not repeat their speeds in these rhythms.
   rows.blocks = std::min(stretches[0], stretches[1]) >= 7 ? 7 : 5;
   rows.block.resize(rows.size());
-  std::array<std::size_t, map::kSides> ordinal{}, seen{};
+  Sides ordinal{}, seen{};
   last = {-1, -1};
+  int record = -1;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t s = rows.side[i];
+    if (rows.record[i] != record) record = rows.record[i], ordinal = {}, seen = {}, last = {-1, -1};
     if (rows.stretch[i] != last[s]) {
       if (last[s] >= 0) ++ordinal[s];
       last[s] = rows.stretch[i];
     }
+    const std::size_t r = rank[static_cast<std::size_t>(record)];
     const std::size_t piece = std::max<std::size_t>(1, count[s] / (rows.blocks * 5));
-    const std::size_t number = stretches[s] >= rows.blocks ? ordinal[s] : seen[s] / piece;
+    const std::size_t number =
+        stretches[s] >= rows.blocks ? ordinal[s] + r : (before[r][s] + seen[s]) / piece;
     rows.block[i] = static_cast<std::uint8_t>(number % rows.blocks);
     ++seen[s];
   }

@@ -253,9 +253,11 @@ double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& te
       .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
 }
 
-std::optional<double> delay_of(double shift, double sample_time) {
-  const double delay = (kHeldForce - shift) * sample_time;
-  return delay >= 0.0 ? std::optional(delay) : std::nullopt;
+std::optional<double> delay_of(double shift, double sample_time, double hold) {
+  constexpr double kRounding = 1e-9;  // rows
+  const double delay = -shift * sample_time - 0.5 * hold;
+  if (delay < -kRounding * sample_time) return {};
+  return std::max(0.0, delay);
 }
 
 }  // namespace stribeck::ident::drive

@@ -38,8 +38,9 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit);
 /// 95 % half width of the shift [rows], estimated together with the other terms.
 double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit);
 
-/// Delay of the drive [s] by the shift of the force [rows]. A held force belongs to the motion half a row later without any delay
-/// (motion.hpp). A force that stands later in the log was measured: it acts at once, and shows no delay of its command. Absent then.
-std::optional<double> delay_of(double shift, double sample_time);
+/// Delay of the drive [s] by the shift of the force [rows]. A command that is held for `hold` [s] belongs to the motion half of that later
+/// without any delay (motion.hpp). A force that stands later in the log was measured: it acts at once, and shows no delay of its
+/// command. Absent then.
+std::optional<double> delay_of(double shift, double sample_time, double hold);
 
 }  // namespace stribeck::ident::drive

@@ -210,6 +210,7 @@ void hand_over(Table m, const RawLog& raw, bool position, Conditioned& out) {
   record.f = std::move(m.f);
   record.loop = raw.loop;
   record.force_unit = raw.force_unit;
+  record.measured = raw.measured;
   record.position_unit = raw.position_unit;
   record.rotary = raw.rotary;
   record.integrated = !position;

@@ -43,7 +43,8 @@ struct RawLog {
   Signal x, r, v, v_ref, f;
   std::string force_unit = "N";
   std::string position_unit = "m";
-  bool rotary = false;  ///< positions are arcs at a radius of 1 m
+  bool rotary = false;    ///< positions are arcs at a radius of 1 m
+  bool measured = false;  ///< the force is said to be the one that the drive makes, not its command
   Loop loop = Loop::kAutomatic;
   double sample_time = 0.0;      ///< [s], where there is no time column
   std::vector<std::size_t> row;  ///< row of the log, from 1, of every row here; empty: 1, 2, …

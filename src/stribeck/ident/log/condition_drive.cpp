@@ -184,6 +184,9 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
   } where[2];
   for (Table& m : tables) {
     std::size_t begin = 0;
+    // An axis that sticks keeps the value of its force, which says nothing of one that is cut off. A programmed force keeps it in motion too.
+    const bool any_run = m.x.empty() || quiet(m.f);
+    const double play = any_run ? 0.0 : 3.0 * quantum(sample_of(m.x, 20000));
     for (std::size_t k = 1; k <= m.rows(); ++k) {
       if (k < m.rows() && m.f[k] == m.f[begin]) continue;
       const std::size_t run = k - begin;
@@ -193,7 +196,7 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
         at[side] += run > 1 ? run : 0;
         longest[side] = std::max(longest[side], run);
         if (run > 2 && where[side].table == nullptr) where[side] = {&m, begin};
-      } else {
+      } else if (any_run || std::abs(m.x[k - 1] - m.x[begin]) > play) {
         longest_elsewhere = std::max(longest_elsewhere, run);
       }
       begin = k;

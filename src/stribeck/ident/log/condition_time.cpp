@@ -13,8 +13,6 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-constexpr double kGap = 1.5;
-constexpr double kLeastJitter = 0.02;  // of a step, in a tenth of the rows
 constexpr std::size_t kMostSteps = 50000;
 constexpr std::size_t kRareRepeats = 20;  ///< one stamp in so many that stands still is a fault of the logger
 
@@ -84,14 +82,6 @@ std::optional<EvenRows> rows_between_changes(const std::vector<double>& t) {
 double largest_off(const EvenRows& even, const std::vector<double>& t) {
   double worst = 0.0;
   for (std::size_t k = 0; k < t.size(); ++k) worst = std::max(worst, std::abs(t[k] - even.at(k)));
-  return worst;
-}
-
-double largest_off_line(const std::vector<double>& t) {
-  const double T = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-  double worst = 0.0;
-  for (std::size_t k = 0; k < t.size(); ++k)
-    worst = std::max(worst, std::abs(t[k] - t.front() - T * static_cast<double>(k)));
   return worst;
 }
 
@@ -268,14 +258,6 @@ Table with_assumed_steps(Table piece, Sampling& sampling, Notes& notes) {
   return piece;
 }
 
-/// What a tenth of the steps are off by, as a share of a step.
-double usual_jitter(const std::vector<double>& t, double step) {
-  std::vector<double> off;
-  const std::size_t stride = std::max<std::size_t>(1, t.size() / kMostSteps);
-  for (std::size_t k = 1; k < t.size(); k += stride) off.push_back(std::abs((t[k] - t[k - 1]) / step - 1.0));
-  return stats::thinned_quantile(std::move(off), 0.9);
-}
-
 /// When a logger is stopped it writes one more row, too early. Among stamps that jitter an early one is none.
 Table without_early_last_row(Table part, double T, Notes& notes) {
   if (part.rows() <= kFewestRows || part.t.back() - part.t[part.rows() - 2] >= 0.9 * T ||
@@ -287,29 +269,6 @@ Table without_early_last_row(Table part, double T, Notes& notes) {
   Table out = slice(part, 0, part.rows() - 1);
   out.gap_before = part.gap_before;
   return out;
-}
-
-/// Whether rows whose stamps jitter were taken evenly all the same, as by a control whose rows a computer stamps when they arrive. With d
-/// the deviation of the stamps from even ones [rows], second differences tell the share of it that the motion shows:
-///
-///   x[k+1] − 2·x[k] + x[k−1] = β·ẋ[k]·(d[k+1] − 2·d[k] + d[k−1]) + …        β = 0 even, β = 1 taken at the stamps
-bool taken_evenly(const Table& part) {
-  constexpr double kMostOff = 1.0;   // rows: beyond it rows may be missing
-  constexpr double kCertain = 0.15;  // two standard errors of β
-  const std::vector<double>& y = part.motion();
-  const double T = (part.t.back() - part.t.front()) / static_cast<double>(part.rows() - 1);
-  if (part.rows() < kFewestRows || largest_off_line(part.t) > kMostOff * T) return false;
-  double uy = 0.0, uu = 0.0, yy = 0.0;
-  for (std::size_t k = 1; k + 1 < part.rows(); ++k) {
-    const double bend = (part.t[k + 1] - part.t[k]) - (part.t[k] - part.t[k - 1]);
-    const double u = 0.5 * (y[k + 1] - y[k - 1]) * bend / T;
-    const double seen = (y[k + 1] - y[k]) - (y[k] - y[k - 1]);
-    uy += u * seen, uu += u * u, yy += seen * seen;
-  }
-  if (!(uu > 0.0)) return false;
-  const double share = uy / uu;
-  const double left = std::max(0.0, yy - share * uy) / static_cast<double>(part.rows());
-  return share < 0.5 && 2.0 * std::sqrt(left / uu) < kCertain;
 }
 
 /// Makes the steps equal: rounded stamps are put on a line, rows at uneven times are resampled.
@@ -410,54 +369,11 @@ double median_step(const std::vector<double>& t) {
   return stats::thinned_quantile(std::move(steps), 0.5);
 }
 
-namespace {
-
-/// Stamps that a computer gives to rows when they arrive may come in the wrong order by a part of a step. Where all of them jitter, such a
-/// stamp is put right behind the one before; one among stamps that are even is an error and stays.
-void mend_order_of_jittering_stamps(Table& m) {
-  constexpr double kMostBack = 0.5;  // steps
-  constexpr double kBehind = 1e-3;   // steps
-  bool any = false;
-  for (std::size_t k = 1; k < m.rows(); ++k) any = any || m.t[k] < m.t[k - 1];
-  if (!any) return;
-  const double T = median_step(m.t);
-  if (!(T > 0.0) || usual_jitter(m.t, T) < kLeastJitter) return;
-  for (std::size_t k = 1; k < m.rows(); ++k) {
-    if (m.t[k] < m.t[k - 1] && m.t[k - 1] - m.t[k] < kMostBack * T) m.t[k] = m.t[k - 1] + kBehind * T;
-  }
-}
-
-/// Stamps of rows by a clock that jitters may be as far apart as if a row were missing. A row that is missing moves all stamps behind it by
-/// a step, jitter does not: where the stamps behind go on as those before, the late one is put back to where no gap begins.
-void mend_late_jittering_stamps(Table& m) {
-  constexpr std::size_t kAround = 21;  // rows, either way
-  constexpr double kNoRow = 0.5;       // steps by which the stamps go on later, at most
-  if (m.rows() < 4 * kAround) return;
-  const double T = median_step(m.t);
-  if (!(T > 0.0) || !(usual_jitter(m.t, T) > kLeastJitter)) return;
-  // Time of row k by the rows from `from` to before `to` [steps].
-  const auto expected = [&](std::size_t from, std::size_t to, std::size_t k) {
-    std::vector<double> at;
-    for (std::size_t i = from; i < to; ++i)
-      at.push_back(m.t[i] / T + static_cast<double>(k) - static_cast<double>(i));
-    return stats::median(std::move(at));
-  };
-  for (std::size_t k = 1; k < m.rows(); ++k) {
-    if (!(m.t[k] - m.t[k - 1] > kGap * T)) continue;
-    const double later =
-        expected(k, std::min(m.rows(), k + kAround), k) - expected(k - std::min(k, kAround), k, k);
-    if (later < kNoRow) m.t[k] = std::max(std::nextafter(m.t[k - 1], m.t[k]), m.t[k - 1] + 0.99 * kGap * T);
-  }
-}
-
-}  // namespace
-
 std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
   sampling.rows += m.rows();
   drop_repeated_rows(m, notes);
   mend_double_stamps(m, notes);
-  mend_order_of_jittering_stamps(m);
-  mend_late_jittering_stamps(m);
+  mend_jittering_stamps(m, notes);
   std::vector<std::size_t> starts{0};
   for (std::size_t k = 1; k < m.rows(); ++k) {
     if (m.t[k] < m.t[k - 1]) starts.push_back(k);

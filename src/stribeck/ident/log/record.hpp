@@ -43,9 +43,10 @@ struct Record {
   std::vector<std::uint8_t> skip;  ///< 1: the row is not fitted (sign of the force unsure, …); may be empty
   std::string force_unit = "N";
   std::string position_unit = "m";
-  bool rotary = false;                  ///< positions are arcs at a radius of 1 m
-  bool integrated = false;              ///< x is the integral of v: the log has no position
-  double spring = 0.0;                  ///< stiffness of a spring whose force was taken off f [N/m]
+  bool rotary = false;      ///< positions are arcs at a radius of 1 m
+  bool measured = false;    ///< f is the force that the drive made: it shows no delay of its command
+  bool integrated = false;  ///< x is the integral of v: the log has no position
+  double spring = 0.0;      ///< stiffness of a spring whose force was taken off f [N/m]
   std::optional<ForceFilter> filter{};  ///< that was taken off f (drive/smoothing/before_filter.hpp)
 };
 

@@ -70,7 +70,9 @@ Form pid_form(const Axis& axis) {
   form.to_do =
       "Source the file behind the addf of pid.NAME.do-pid-calcs and in front of that of the outputs; take pid.NAME.output out of the net "
       "that has it, and put sum.NAME.out there. Check first the unit of pid.NAME.output (--gain is the force of one; without it the "
-      "numbers are in N) and, with half of the y-val lines, that at a constant positive velocity ff.NAME.out is positive.";
+      "numbers are in N) and, with half of the y-val lines, that at a constant positive velocity ff.NAME.out is positive. These numbers are "
+      "for a drive that takes a force, a torque or a current. Do not give them to a drive that takes a velocity (analogue, 10 V) or a "
+      "position: its FF1 is 1, and --to linuxcnc --machine FILE writes its loop.";
   return form;
 }
 
@@ -88,6 +90,7 @@ std::string pid_head(const std::vector<Axis>& axes) {
         name, axes[i].number);
   }
   return fmt::format(
+      "# For drives that take a force, a torque or a current, not for those that take a velocity or a position.\n"
       "# Beside pid instances with these names (loadrt pid names=pid.{},...). Velocities in mm/s.\n"
       "# Joints are numbered as x, y, z, a, b, c, u, v, w where all axes have such names, else in the order of the files: check them.\n"
       "# Another lincurve or sum2 in the configuration: write all names of one component into one loadrt.\n"

@@ -70,6 +70,12 @@ struct Signals {
   }
 };
 
+/// Whether a force, torque or current is named the actual one, which the drive makes, and not its command.
+bool is_actual(const io::Column& column) {
+  const auto meaning = meaning_of(column.name, column.unit_text);
+  return meaning && meaning->rank == 0;
+}
+
 ident::log::Signal& signal_for(ident::log::RawLog& raw, LogQuantity what) {
   switch (what) {
     case LogQuantity::kPosition:
@@ -159,6 +165,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     ident::log::RawLog raw;
     raw.source = selection.all ? log.source : run_name(log, options, selection.runs[i].front());
     raw.force_unit = effort.unit;
+    raw.measured = is_actual(*effort.from.column);
     raw.position_unit = motion.angle ? "rad" : "m";
     raw.rotary = out.rotary;
     raw.sample_time = sample_time;

@@ -451,6 +451,18 @@ TEST(LogAxis, AChannelOfAnotherRateKeepsItsTimes) {
   EXPECT_DOUBLE_EQ(axis.f.t.at(1), 0.004);
 }
 
+// A log of the force that the drive makes shows no delay of its command.
+TEST(LogAxis, ANameTellsThatAForceIsMeasured) {
+  const auto measured = [](const std::string& force) {
+    return axis_of("t [ms],x [mm]," + force + "\n0,1,2\n1,2,3\n2,3,4\n").measured;
+  };
+  for (const char* name :
+       {"x force actual [N]", "ActualTorque [N m]", "Drehmomentistwert [N m]", "TorqueFeedback [N m]"})
+    EXPECT_TRUE(measured(name)) << name;
+  for (const char* name : {"f [N]", "torque [N m]", "Force command [N]", "Iq [A]"})
+    EXPECT_FALSE(measured(name)) << name;
+}
+
 // SPiiPlus of ACS: reference and feedback.
 TEST(LogAxis, ReferenceAndFeedbackOfAcs) {
   const ident::log::RawLog axis =

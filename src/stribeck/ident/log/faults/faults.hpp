@@ -13,6 +13,20 @@ namespace stribeck::ident::log::parts {
 
 inline constexpr std::size_t kMostLost = 5;  ///< rows in one place that are put in again
 
+inline constexpr double kGap = 1.5;           ///< steps: a longer one is a gap
+inline constexpr double kLeastJitter = 0.02;  ///< of a step, in a tenth of the rows: stamps that jitter
+
+// jitter.cpp
+/// What a tenth of the steps are off by, as a share of a step.
+double usual_jitter(const std::vector<double>& t, double step);
+/// Largest distance of the stamps from a straight line between their ends [s].
+double largest_off_line(const std::vector<double>& t);
+/// Whether rows whose stamps jitter were taken evenly all the same, as by a control whose rows a computer stamps when they arrive.
+bool taken_evenly(const Table& part);
+/// Mends stamps that jitter: those in the wrong order, and those so late that a row seems to be missing. Where rows are missing among
+/// them and the others were taken evenly, all get the times of their numbers.
+void mend_jittering_stamps(Table& table, Notes& notes);
+
 // short_gaps.cpp
 /// Puts in up to kMostLost rows that are missing in one place, time stamps included, and marks them as not fitted. Longer gaps
 /// stay, as do those that the motion does not have.
