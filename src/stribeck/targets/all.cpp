@@ -30,14 +30,25 @@ std::string file_in(const ExportRequest& o, std::string_view target, std::string
   return (std::filesystem::path(o.output) / (std::string(target) + std::string(extension))).string();
 }
 
+double quadrant(const nlohmann::ordered_json& circle, const char* of) {
+  return circle[of]["quadrant_um"].get<double>();
+}
+
 /// A line of the table of peaks, and the same as JSON.
 std::string peak_line(std::string_view target, std::string_view what, const nlohmann::ordered_json& circle) {
-  const auto peak = [&](const char* of) {
-    return report::micrometres(1e-6 * circle[of]["quadrant_um"].get<double>()) + " µm";
-  };
+  const auto peak = [&](const char* of) { return report::micrometres(1e-6 * quadrant(circle, of)) + " µm"; };
   return fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(target), 16),
                      report::right_aligned(peak("without"), 14), report::right_aligned(peak("pulse"), 12),
                      report::right_aligned(peak("model"), 12), what);
+}
+
+/// A target that does harm must not be taken for the rest of its table; empty: none does.
+std::string harm_in_words(const std::vector<std::string>& harmful) {
+  if (harmful.empty()) return {};
+  return fmt::format(
+      "Warning: on this circle {} {} larger peaks than no compensation. Friction builds up over a distance after each reversal, and a "
+      "table over the speed pushes at once: choose a target with a smaller peak, or enter a part of the numbers and measure a circle.\n",
+      report::listed(harmful), harmful.size() == 1 ? "leaves" : "leave");
 }
 
 /// The peak that each target in a control leaves at the quadrants of the user's circle: tables, then pulses; returns a sentence for each
@@ -50,12 +61,18 @@ std::vector<std::string> add_peaks(const ExportRequest& o,
   out.text += fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
                           report::right_aligned("peak without", 14), report::right_aligned("with it", 12),
                           report::right_aligned("whole model", 12), "what is written");
+  std::vector<std::string> harmful;
+  const auto add = [&](std::string_view target, std::string_view what, const nlohmann::ordered_json& circle) {
+    constexpr double kMore = 1.02;
+    if (quadrant(circle, "pulse") > kMore * quadrant(circle, "without")) harmful.emplace_back(target);
+    out.text += peak_line(target, what, circle);
+  };
   for (std::size_t i = 0; i < steady.size(); ++i) {
     const auto& [t, w] = steady[i];
     if (t->simulator) continue;
     const CircleError with = c.circle.with(std::array{w.tables[c.axes[0]], w.tables[c.axes[1]]});
     out.json["targets"][i]["circle"] = circle_json(task, c, with);
-    out.text += peak_line(t->name, t->what, out.json["targets"][i]["circle"]);
+    add(t->name, t->what, out.json["targets"][i]["circle"]);
   }
   ExportRequest each = o;
   // Names of axes are those of the control.
@@ -78,8 +95,9 @@ std::vector<std::string> add_peaks(const ExportRequest& o,
                                    {"file", each.output},
                                    {"axes", written.json["axes"]},
                                    {"circle", written.json["circle"]}});
-    out.text += peak_line(t->name, t->what, written.json["circle"]);
+    add(t->name, t->what, written.json["circle"]);
   }
+  out.text += harm_in_words(harmful);
   return refused;
 }
 

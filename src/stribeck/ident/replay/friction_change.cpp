@@ -40,12 +40,12 @@ FrictionChanges friction_changes(const ForceRows& of, const std::vector<std::siz
   constexpr std::size_t kFewest = 50;
   constexpr double kTold = 0.1;  // half width of what is told
   if (rows.size() < kFewest) return {};
-  Eigen::MatrixXd X(static_cast<Index>(rows.size()), 5);
+  Eigen::MatrixXd X(static_cast<Index>(rows.size()), 4);
   VectorXd missed(X.rows());
   for (Index i = 0; i < X.rows(); ++i) {
     const std::size_t k = rows[static_cast<std::size_t>(i)];
     const double v = of.velocity[k];
-    X.row(i) << (v > 0.0 ? 1.0 : -1.0), v, of.acceleration[k], 1.0, of.rate[k];
+    X.row(i) << (v > 0.0 ? 1.0 : -1.0), v, of.acceleration[k], 1.0;
     missed(i) = of.measured[k] - of.modelled[k];
   }
   const VectorXd scale = X.colwise().norm().cwiseMax(1e-300);
@@ -60,7 +60,7 @@ FrictionChanges friction_changes(const ForceRows& of, const std::vector<std::siz
   });
   const auto change_at = [&](const End& end) -> FrictionChange {
     if (!(end.friction > 0.0)) return {};
-    VectorXd share = VectorXd::Zero(5);
+    VectorXd share = VectorXd::Zero(4);
     share(0) = 1.0 / (scale(0) * end.friction);
     share(1) = end.speed / (scale(1) * end.friction);
     const FrictionChange change{share.dot(by), uncertainty.half_width(share), end.speed};

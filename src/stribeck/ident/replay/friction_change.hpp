@@ -1,10 +1,10 @@
 #pragma once
 /// By how much friction of a record differs from that of a model, at the slow and at the fast end of its motion:
 ///
-///   f − f̂ = c·sgn v + b·v + δm·a + s·df̂/dt + δl        least squares over the rows in which the axis moves
+///   f − f̂ = c·sgn v + b·v + δm·a + δl        least squares over the rows in which the axis moves
 ///   share(v) = (c + b·|v|)/F(v)              F: friction of the model there, against the motion
 ///
-/// With s, the error of the shift of the force: on one sine it is proportional to the speed, and then neither is told.
+/// An error of the shift of the force is not in it: on one sine it is proportional to the speed, so f must be aligned well.
 /// A motion of much acceleration hides this from the error of the force, though a compensation of friction lives on it.
 /// Not modelled: friction that changed in one direction alone, which is half a load. Real time: no.
 
@@ -35,7 +35,6 @@ struct FrictionChanges {
 struct ForceRows {
   std::span<const double> measured, modelled;  ///< [N]
   std::span<const double> friction;      ///< of the model [N], without periodic terms, springs and weights
-  std::span<const double> rate;          ///< of f̂, from row to row of the record [N]
   std::span<const double> velocity;      ///< [m/s]
   std::span<const double> acceleration;  ///< [m/s²]
 };

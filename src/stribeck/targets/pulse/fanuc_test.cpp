@@ -75,5 +75,30 @@ TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
               HasSubstr("because an option is missing: ax8000 (--lead) and keba (--gain, --lead)."));
 }
 
+// Friction that builds up over half a millimetre: a table over the speed pushes before it is there.
+TEST(PulseTargets, ATargetThatDoesHarmIsNamed) {
+  std::string soft = kBristles;
+  const std::size_t at = soft.find("sigma0 = \"");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t from = at + std::string("sigma0 = \"").size();
+  soft.replace(from, soft.find('"', from) - from, "0.2 N/um");
+  PulseExport x("all", soft.c_str());
+  x.request.output = x.folder / "all";
+  x.request.controller = "cascade";
+  const targets::Exported written = x.write();
+  const std::size_t warned = written.text.find("Warning: on this circle ");
+  std::size_t harmful = 0;
+  for (const auto& target : written.json["targets"]) {
+    if (!target.contains("circle")) continue;
+    const double without = target["circle"]["without"]["quadrant_um"],
+                 with = target["circle"]["pulse"]["quadrant_um"];
+    if (!(with > 1.02 * without)) continue;
+    ++harmful;
+    EXPECT_NE(written.text.find(target["to"].get<std::string>(), warned), std::string::npos) << target["to"];
+  }
+  EXPECT_GT(harmful, 0U);
+  EXPECT_EQ(warned != std::string::npos, harmful > 0);
+}
+
 }  // namespace
 }  // namespace stribeck::test::fanuc_test

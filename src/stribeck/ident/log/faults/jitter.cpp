@@ -95,7 +95,7 @@ std::size_t missing_before(const std::vector<double>& y, const std::vector<doubl
 /// Number of each row, counted with those that are missing before it.
 std::vector<double> numbered(const Table& m, double T) {
   constexpr double kLonger = 1.15;     // steps, of a row behind a missing one
-  constexpr std::size_t kNearby = 10;  // rows
+  constexpr std::size_t kNearby = 16;  // rows
   const std::vector<double>&t = m.t, &y = m.motion();
   std::vector<double> missing(t.size(),
                               0.0);  // before each row; rows not yet looked at count as the last one that was
@@ -116,8 +116,10 @@ std::vector<double> numbered(const Table& m, double T) {
     const double rows = std::max(1.0, std::round(later(std::max(at, k))));
     for (std::size_t i = k; i < at; ++i) missing[i] = now;
     now += rows;
-    for (std::size_t i = at; i <= std::max(at, k); ++i) missing[i] = now;
-    k = std::max(at, k);
+    // Where a missing row was placed some rows too late, those between must not be taken for another one.
+    const std::size_t on = std::min(t.size() - 1, std::max(at, k) + kRowsAround / 2);
+    for (std::size_t i = at; i <= on; ++i) missing[i] = now;
+    k = on;
     next = at + 1;
   }
   for (std::size_t k = 0; k < t.size(); ++k) missing[k] += static_cast<double>(k);
