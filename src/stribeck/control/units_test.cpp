@@ -253,6 +253,175 @@ TEST(Axes, EachOfThreeIsTheAxisAloneInSlidingMode) {
   }
 }
 
+/// The axes in another order: axis i of the other machine is axis kOrder[i] of this one.
+constexpr std::array<std::size_t, kAxes> kOrder{2, 0, 1};
+PerAxis reordered(const PerAxis& list) {
+  PerAxis other;
+  for (const std::size_t axis : kOrder) other.push_back(list[axis < list.size() ? axis : list.size() - 1]);
+  return other;
+}
+/// One delay for all axes: the law that plans ahead and the one that learns know only one.
+Setup<kAxes> in_order(const Means& means, bool other) {
+  Setup<kAxes> all = setup(means);
+  for (CompensationParams& c : all.compensation) c.delay = c.model.delay = all.compensation[1].delay;
+  Setup<kAxes> turned = all;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    turned.compensation[i] = all.compensation[kOrder[i]];
+    turned.force_limit[i] = all.force_limit[kOrder[i]];
+  }
+  return other ? turned : all;
+}
+/// A frame that turns with φ about an axis that leans, as on a path in space.
+void turn_frame(path::PathPoint<kAxes>& r) {
+  constexpr double kRate = 6.0;
+  const double lean = 0.4;
+  const double c = std::cos(r.phi), s = std::sin(r.phi), up = std::cos(lean), down = std::sin(lean);
+  r.frame = {{{{{c, s * up, s * down}}, {{-s, c * up, c * down}}, {{0.0, -down, up}}}}};
+  r.frame_rate[0] = kRate * r.frame[1];
+  r.frame_rate[1] = -kRate * r.frame[0];
+  r.frame_acceleration[0] = -kRate * kRate * r.frame[0];
+  r.frame_acceleration[1] = -kRate * kRate * r.frame[1];
+}
+path::PathPoint<kAxes> in_other_order(const path::PathPoint<kAxes>& r) {
+  path::PathPoint<kAxes> other = r;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    for (const auto v : {&path::PathPoint<kAxes>::position, &path::PathPoint<kAxes>::velocity,
+                         &path::PathPoint<kAxes>::acceleration})
+      (other.*v)[i] = (r.*v)[kOrder[i]];
+    for (const auto f : {&path::PathPoint<kAxes>::frame, &path::PathPoint<kAxes>::frame_rate,
+                         &path::PathPoint<kAxes>::frame_acceleration}) {
+      for (std::size_t row = 0; row < kAxes; ++row) (other.*f)[row][i] = (r.*f)[row][kOrder[i]];
+    }
+  }
+  return other;
+}
+
+/// The forces of a machine whose axes are connected in another order are the same ones in that order. `other`: the same law, its
+/// settings per axis in that order.
+template <class Params>
+void expect_any_order(const Params& params, const Params& other, const Means& means, int periods = 700) {
+  using Law = typename Params::template Controller<kAxes>;
+  const Setup<kAxes> here = in_order(means, false);
+  const auto law = std::make_unique<Law>(params, here);
+  const auto turned = std::make_unique<Law>(other, in_order(means, true));
+  const auto state = std::make_unique<typename Law::State>();
+  const auto state_turned = std::make_unique<typename Law::State>();
+  for (int k = 0; k < periods; ++k) {
+    path::PathPoint<kAxes> r;
+    Vec<double, kAxes> x;
+    for (std::size_t i = 0; i < kAxes; ++i) give(r, x, i, i, k);
+    turn_frame(r);
+    Vec<double, kAxes> measured;
+    for (std::size_t i = 0; i < kAxes; ++i) measured[i] = x[kOrder[i]];
+    const auto force = law->step(*state, r, x);
+    const auto force_turned = turned->step(*state_turned, in_other_order(r), measured);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      ASSERT_NEAR(force_turned[i], force[kOrder[i]], 1e-7 * here.force_limit[kOrder[i]])
+          << Params::kKind << " axis " << i << " period " << k;
+  }
+  if constexpr (requires { state->gain + state->update; }) {
+    EXPECT_NEAR(state_turned->update, state->update, 1e-7 * state->update);
+    EXPECT_NEAR(state_turned->error, state->error, 1e-7 * state->error);
+    EXPECT_EQ(state_turned->passes, state->passes);
+    EXPECT_GT(state->passes, 1u);
+  }
+}
+template <class Params>
+Params gains_reordered(Params p) {
+  p.kp = reordered(p.kp);
+  p.kv = reordered(p.kv);
+  if constexpr (requires { p.ki; }) p.ki = reordered(p.ki);
+  return p;
+}
+/// The means of friction of kOne, with a Kalman observer on each axis: its velocity is the one of an observed rate.
+constexpr Means kObserved{{Feedforward::kDynamic, Feedforward::kSteady, Feedforward::kReversal},
+                          {Observer::kKalman, Observer::kKalman, Observer::kKalman},
+                          {false, true, false}};
+
+TEST(AxesInAnyOrder, GiveTheirForcesInLawsWithGainsPerAxis) {
+  for (const ErrorRate rate : {ErrorRate::kDifferenceOfError, ErrorRate::kLate, ErrorRate::kObserved}) {
+    const Means& means = rate == ErrorRate::kObserved ? kObserved : kOther;
+    PidParams pid;
+    pid.kp = square({});
+    pid.kv = twice({});
+    pid.ki = each([](std::size_t i) { return 4.0 * omega(i) * omega(i); });
+    pid.error_rate = rate;
+    expect_any_order(pid, gains_reordered(pid), means);
+    CascadeParams cascade;
+    cascade.position_gain = each([](std::size_t i) { return 0.5 * omega(i); });
+    cascade.velocity_gain = twice({});
+    cascade.integral_time = each([](std::size_t i) { return 0.1 + 0.02 * static_cast<double>(i); });
+    cascade.velocity_feedforward = 0.8;
+    cascade.error_rate = rate;
+    CascadeParams turned = cascade;
+    turned.position_gain = reordered(cascade.position_gain);
+    turned.velocity_gain = reordered(cascade.velocity_gain);
+    turned.integral_time = reordered(cascade.integral_time);
+    expect_any_order(cascade, turned, means);
+  }
+  for (const Preview preview : {Preview::kExtrapolated, Preview::kDelayed}) {
+    ZpetcParams zpetc;
+    zpetc.kp = square({});
+    zpetc.kv = twice({});
+    zpetc.preview = preview;
+    expect_any_order(zpetc, gains_reordered(zpetc), kOne);
+  }
+  CrossCoupledParams coupled;
+  coupled.kp = square({});
+  coupled.kv = twice({});
+  expect_any_order(coupled, gains_reordered(coupled), kOther);
+}
+
+TEST(AxesInAnyOrder, GiveTheirForcesInLawsOfTheFrame) {
+  for (const ErrorRate rate : {ErrorRate::kDifferenceOfError, ErrorRate::kLate, ErrorRate::kObserved}) {
+    ContouringParams p = ContouringParams::critical(60.0, 48.0);
+    p.error_rate = rate;
+    expect_any_order(p, p, rate == ErrorRate::kObserved ? kObserved : kOne);
+  }
+}
+
+TEST(AxesInAnyOrder, GiveTheirForcesInSlidingMode) {
+  for (const auto& [switching, gain] : kSliding) {
+    SlidingModeParams s;
+    s.mass_bound = each([](std::size_t i) { return 1.0 + static_cast<double>(i); });
+    s.force_bound = each([](std::size_t i) { return 0.5 + static_cast<double>(i); });
+    s.gamma = {8e-3, 15e-3};
+    s.gamma_least = {0.5e-3, 2e-3};
+    s.switching = switching;
+    s.gain = gain;
+    SlidingModeParams turned = s;
+    turned.mass_bound = reordered(s.mass_bound);
+    turned.force_bound = reordered(s.force_bound);
+    expect_any_order(s, turned, kOne);
+  }
+}
+
+TEST(AxesInAnyOrder, LearnTheSame) {
+  RepetitiveParams repetitive;
+  repetitive.kp = square({});
+  repetitive.kv = twice({});
+  expect_any_order(repetitive, gains_reordered(repetitive), kOne, 1500);
+  LearningParams learning;
+  learning.kv = {80.0, 60.0};
+  expect_any_order(learning, learning, kOne, kPeriods);
+}
+
+TEST(AxesInAnyOrder, PlanTheSame) {
+  for (const ErrorRate rate : {ErrorRate::kDifferenceOfError, ErrorRate::kObserved}) {
+    for (const bool slows : {false, true}) {
+      PredictiveParams p;
+      p.speed_limit = {19e-3, 26e-3, 60e-3};  // the first two are faster than that
+      p.slows = slows;
+      p.horizon = 0.02;
+      p.rate_at_sample = slows;
+      p.error_rate = rate;
+      PredictiveParams turned = p;
+      turned.speed_limit = reordered(p.speed_limit);
+      expect_any_order(p, turned, rate == ErrorRate::kObserved ? kObserved : kOther, 300);
+    }
+  }
+}
+
 /// In other units the forces are the same ones in those units.
 template <class Make>
 void expect_same_in_units(Make make, const Means& means, const std::vector<Units>& others) {
