@@ -137,6 +137,39 @@ TEST(Cascade, StabilityIsWhereTheSampledLoopDiesOut) {
   }
 }
 
+TEST(Cascade, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
+  // The same loop in seconds, in milliseconds and in hours; just inside and just outside of Routh's border.
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double share : {0.99, 1.01}) {
+      CascadeParams c;
+      c.position_gain = {200.0 / second};
+      c.integral_time = {0.02 * second};
+      c.velocity_gain = {share * 200.0 / 5.0 / second};
+      EXPECT_EQ(c.stable(), share > 1.0) << second << ", " << share;
+      EXPECT_EQ(c.stable(1e-5 * second), share > 1.0) << second << ", " << share;
+    }
+  }
+}
+
+TEST(Cascade, EachSettingOfEachAxisCanMakeItUnstable) {
+  for (const double wrong : {0.0, -1e-3, -1e3, std::nan("")}) {
+    for (const auto setting :
+         {&CascadeParams::position_gain, &CascadeParams::velocity_gain, &CascadeParams::integral_time}) {
+      for (const std::size_t axis : {0, 2}) {
+        CascadeParams c;
+        const double good = (c.*setting)[0];
+        c.*setting = {good, good, good};
+        ASSERT_TRUE(c.stable() && c.stable(1e-3));
+        (c.*setting)[axis] = wrong;
+        EXPECT_FALSE(c.stable()) << wrong << " on axis " << axis;
+        // Without a gain of position the sampled loop still holds the axis, by the integral of its velocity.
+        const bool held = setting == &CascadeParams::position_gain && wrong == 0.0;
+        EXPECT_EQ(c.stable(1e-3), held) << wrong << " on axis " << axis;
+      }
+    }
+  }
+}
+
 TEST(Cascade, DefaultsAreStableOnTheVirtualMachines) {
   EXPECT_TRUE(CascadeParams{}.stable());
   for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(CascadeParams{}.stable(period));

@@ -119,6 +119,45 @@ TEST(Pid, DoesNotWindUpWhileSupervisionHoldsTheForceBack) {
   EXPECT_NE(s.integral[0], begun);
 }
 
+TEST(Pid, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
+  // The same loop in seconds, in milliseconds and in hours; just inside and just outside of k_i = k_p·k_v.
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double share : {0.0, 0.99, 1.01}) {
+      PidParams p;
+      p.kp = {900.0 / (second * second)};
+      p.kv = {60.0 / second};
+      p.ki = {share * 900.0 * 60.0 / (second * second * second)};
+      EXPECT_EQ(p.stable(), share < 1.0) << second << ", " << share;
+      EXPECT_EQ(p.stable(1e-4 * second), share < 1.0) << second << ", " << share;
+    }
+  }
+}
+
+TEST(Pid, EachGainOfEachAxisCanMakeItUnstable) {
+  const PidParams sound = PidParams::triple(30.0);
+  for (const double wrong : {0.0, -1e-3, -1e3, std::nan("")}) {
+    for (const auto gain : {&PidParams::kp, &PidParams::kv, &PidParams::ki}) {
+      for (const std::size_t axis : {0, 2}) {
+        PidParams p = sound;
+        p.*gain = {(sound.*gain)[0], (sound.*gain)[0], (sound.*gain)[0]};
+        (p.*gain)[axis] = wrong;
+        // Without an integral the loop is still one.
+        const bool none = gain == &PidParams::ki && wrong == 0.0;
+        EXPECT_EQ(p.stable(), none) << wrong << " on axis " << axis;
+        EXPECT_EQ(p.stable(1e-3), none) << wrong << " on axis " << axis;
+      }
+    }
+  }
+}
+
+TEST(Pid, WithoutGainsThereIsNoFeedback) {
+  test::expect_no_feedback([] {
+    PidParams p;
+    p.kp = p.ki = p.kv = {};
+    return p;
+  }());
+}
+
 TEST(Pid, KeepsWhatEveryLawKeeps) {
   test::expect_nan_answered(PidParams{});
   test::expect_limits_kept(PidParams{});

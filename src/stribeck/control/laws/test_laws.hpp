@@ -74,6 +74,17 @@ void expect_limits_kept(const Params& params) {
   EXPECT_EQ(s.status.first, Status::kOutputLimited);
 }
 
+/// With lists of gains that hold none there is no feedback: the force is that of the reference's acceleration, wherever the axis is.
+template <class Params>
+void expect_no_feedback(const Params& params) {
+  using Law = typename Params::template Controller<2>;
+  const Law law(params, masses<2>(1e-3));
+  typename Law::State s;
+  path::PathPoint<2> r;
+  r.acceleration = {{0.02, 0.05}};
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(law.step(s, r, Vec2{{1e-3 * k, -2e-3 * k}}), kMass * r.acceleration);
+}
+
 /// The world mirrored through the origin: every force changes its sign, bit for bit.
 template <class Params>
 void expect_mirrored(const Params& params) {
