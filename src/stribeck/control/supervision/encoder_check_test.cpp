@@ -55,6 +55,23 @@ TEST(EncoderCheck, NoNumberFromEncoderAndReferenceInOnePeriodIsForgotten) {
   }
 }
 
+// An axis that stands, while neither encoder nor reference say anything: it is taken to stand.
+TEST(EncoderCheck, WithoutEncoderAndReferenceAnAxisAtRestStaysWhereItIs) {
+  const SupervisionLimits l = limits();
+  for (const int lost : {0, 1, 2}) {
+    EncoderCheck::State s;
+    for (int k = 0; k < 50; ++k) EncoderCheck::step(s, l, 5e-3, 5e-3, 0.0, 0.0);
+    for (int k = 0; k < 5; ++k) {
+      const double r = lost == 0 ? kNan : 5e-3;
+      const double rate = lost == 1 ? kInfinite : 0.0;
+      const double acceleration = lost == 2 ? -kInfinite : 0.0;
+      EXPECT_EQ(EncoderCheck::step(s, l, kNan, r, rate, acceleration), 5e-3) << lost << ' ' << k;
+    }
+    EXPECT_EQ(EncoderCheck::step(s, l, 5e-3, 5e-3, 0.0, 0.0), 5e-3);
+    EXPECT_FALSE(EncoderCheck::bridges(s));
+  }
+}
+
 TEST(SupervisionLimits, FollowFromTheAxis) {
   const SupervisionLimits l = limits();
   EXPECT_DOUBLE_EQ(l.growth, (250.0 + 20.0) / 1000.0 * 1e-6);
@@ -66,6 +83,51 @@ TEST(SupervisionLimits, FollowFromTheAxis) {
   EXPECT_EQ(l.stop_periods, 50);
   // Never fewer than three samples, whatever the period.
   EXPECT_EQ(limits(5e-3).samples, 3);
+}
+
+TEST(SupervisionLimits, ALargeForceMayMoveTheAxisFurther) {
+  // Half as far again as the model's mass goes in a period under this force, braked by its friction. The usual reach is the least.
+  const SupervisionLimits l = limits();
+  for (const double force : {300.0, 1000.0, 5000.0})
+    EXPECT_DOUBLE_EQ(l.growth_after(force), 1.5 * (force + 20.0) / 1000.0 * 1e-6) << force;
+  EXPECT_EQ(l.growth_after(0.0), l.growth);
+}
+
+TEST(SupervisionLimits, ScaleWithTheUnits) {
+  // The same axis in units of length, time and mass that are powers of two of the metre, second and kilogram.
+  struct In {
+    double m, s, kg;
+  };
+  const auto of = [](const In& u, double load) {
+    const double n = u.kg * u.m / (u.s * u.s);
+    CompensationParams axis;
+    axis.model.mass = 1000.0 * u.kg;
+    axis.model.load = load * n;
+    axis.model.friction.steady = friction::Conventional<double>{20.0 * n, 4500.0 * n * u.s / u.m, {}};
+    axis.encoder_resolution = 1e-7 * u.m;
+    SupervisionParams p;
+    p.speed_limit = 16e-3 * u.m / u.s;
+    p.acceleration_limit = 0.05 * u.m / (u.s * u.s);
+    p.omega = 20.0 / u.s;
+    return SupervisionLimits(p, axis, 250.0 * n, 1e-3 * u.s);
+  };
+  for (const double load : {0.0, 60.0, -60.0}) {
+    const SupervisionLimits si = of({1.0, 1.0, 1.0}, load);
+    for (const In& u : {In{4.0, 1.0, 1.0}, In{1.0, 1.0, 0.25}}) {
+      const double n = u.kg * u.m / (u.s * u.s);
+      const SupervisionLimits l = of(u, load);
+      EXPECT_DOUBLE_EQ(l.noise, si.noise * u.m);
+      EXPECT_DOUBLE_EQ(l.growth, si.growth * u.m);
+      EXPECT_DOUBLE_EQ(l.growth_after(900.0 * n), si.growth_after(900.0) * u.m);
+      EXPECT_DOUBLE_EQ(l.speed, si.speed * u.m / u.s);
+      EXPECT_DOUBLE_EQ(l.level, si.level * n);
+      EXPECT_DOUBLE_EQ(l.push, si.push * n);
+      EXPECT_DOUBLE_EQ(l.start, si.start * n);
+      EXPECT_DOUBLE_EQ(l.following, si.following * u.m);
+      EXPECT_DOUBLE_EQ(l.swing, si.swing * n);
+      EXPECT_DOUBLE_EQ(l.rattle(), si.rattle() * u.m / u.s);
+    }
+  }
 }
 
 TEST(SupervisionLimits, ADelayCountsInWholePeriodsUpToTheLongest) {

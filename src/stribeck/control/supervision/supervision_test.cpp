@@ -405,6 +405,151 @@ TEST(Supervisor, LatenessWithoutEndIsCountedWithoutOverflow) {
   EXPECT_EQ(s.watch.fault, Fault::kNone);
 }
 
+/// Two axes that differ in all that supervision looks at; the second machine has them in the other order.
+template <bool kSwapped>
+struct Unlike {
+  Unlike() : watched(ContouringParams::critical(60.0, 60.0), axes(), checks()) {}
+  static constexpr std::size_t place(std::size_t axis) { return kSwapped ? 1 - axis : axis; }
+  static Setup<2> axes() {
+    Setup<2> s = setup(Observer::kDisturbance, true);
+    CompensationParams& y = s.compensation[1];
+    y.model.mass = 600.0;
+    y.model.friction.steady = friction::Conventional<double>{35.0, 2500.0, {}};
+    y.encoder_resolution = 2e-7;
+    y.adaptation.enabled = false;
+    s.force_limit[1] = 180.0;
+    if (kSwapped) std::swap(s.compensation[0], s.compensation[1]);
+    if (kSwapped) std::swap(s.force_limit[0], s.force_limit[1]);
+    return s;
+  }
+  static Supervision<2> checks() {
+    Supervision<2> p = limits();
+    p[1].speed_limit = 11e-3;
+    p[1].acceleration_limit = 0.07;
+    p[1].start_share = 0.7;
+    if (kSwapped) std::swap(p[0], p[1]);
+    return p;
+  }
+  /// Forces in the order of the first machine.
+  V step(path::PathPoint<2> r, V x) {
+    if (kSwapped) {
+      for (V* v : {&r.position, &r.velocity, &r.acceleration, &x}) std::swap((*v)[0], (*v)[1]);
+    }
+    const V f = watched.step(state, r, x);
+    return {{f[place(0)], f[place(1)]}};
+  }
+  Watched watched;
+  Watched::State state;
+};
+
+TEST(Supervisor, WhichAxisIsTheFirstDoesNotMatter) {
+  // What happens to one of the axes: nothing, samples that are lost, wild or frozen, and a step of the reference.
+  enum class Event { kNothing, kLost, kWild, kSmall, kFrozen, kStep };
+  for (const Event event :
+       {Event::kNothing, Event::kLost, Event::kWild, Event::kSmall, Event::kFrozen, Event::kStep}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto one = std::make_unique<Unlike<false>>();
+      const auto other = std::make_unique<Unlike<true>>();
+      V last;
+      for (int k = 0; k < 2600; ++k) {
+        path::PathPoint<2> r = circle(kPeriod * k);
+        V x = read(r, kPeriod * k);
+        const bool rare = k % 97 == 50;
+        if (event == Event::kLost && (rare || k > 2300)) x[axis] = kNan;
+        if (event == Event::kWild && (rare || k > 2300)) x[axis] += 1e-3;
+        if (event == Event::kSmall && rare) x[axis] += 0.8e-6;
+        if (event == Event::kFrozen && k > 2300) x[axis] = last[axis];
+        if (event == Event::kStep && k < 3) r.position[axis] += 0.2e-3;
+        last = x;
+        const V force = one->step(r, x);
+        const V swapped = other->step(r, x);
+        const auto& a = one->state;
+        const auto& b = other->state;
+        // An axis that is checked after the one with the fault brakes from its velocity of the period before.
+        const double near = a.watch.fault == Fault::kNone ? 1e-9 : 0.5;
+        ASSERT_NEAR(force[0], swapped[0], near) << k;
+        ASSERT_NEAR(force[1], swapped[1], near) << k;
+        ASSERT_EQ(a.watch.fault, b.watch.fault) << k;
+        ASSERT_EQ(a.watch.quiet, b.watch.quiet) << k;
+        for (std::size_t i = 0; i < 2; ++i) {
+          ASSERT_EQ(a.law.bridged[i], b.law.bridged[1 - i]) << k;
+          ASSERT_EQ(a.law.doubtful[i], b.law.doubtful[1 - i]) << k;
+          ASSERT_EQ(a.law.cut[i], b.law.cut[1 - i]) << k;
+          ASSERT_EQ(a.watch.axes[i].proof.proven, b.watch.axes[1 - i].proof.proven) << k;
+        }
+      }
+      const bool stops = event == Event::kLost || event == Event::kWild || event == Event::kFrozen;
+      EXPECT_EQ(one->state.watch.fault != Fault::kNone, stops);
+      if (stops) {
+        EXPECT_EQ(one->state.watch.axis, axis);
+        EXPECT_EQ(other->state.watch.axis, 1 - axis);
+      }
+      one->watched.reset(one->state);
+      other->watched.reset(other->state);
+      for (std::size_t i = 0; i < FrictionRls::kCount; ++i)
+        EXPECT_NEAR(one->state.law.compensation[0].adaptation.theta[i],
+                    other->state.law.compensation[1].adaptation.theta[i], 1e-9);
+    }
+  }
+}
+
+TEST(Supervisor, NothingIsStoredWhileAnAxisIsBridgedOrAtItsLimit) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    Loop run(Observer::kDisturbance, true);
+    run.go(500);
+    const int& quiet = run.state->watch.quiet;
+    const int before = quiet;
+    run.step();
+    EXPECT_EQ(quiet, before + 1);
+    path::PathPoint<2> r = circle(run.t);
+    V x = read(r, run.t);
+    x[axis] = kNan;
+    run.watched.step(*run.state, r, x);
+    EXPECT_EQ(quiet, before + 1) << "bridged";
+    run.t += kPeriod;
+    r = circle(run.t);
+    r.acceleration[axis] = 1.0;  // of 0.25 m/s²
+    run.watched.step(*run.state, r, read(r, run.t));
+    EXPECT_EQ(quiet, before + 1) << "limited";
+    run.t += kPeriod;
+    run.go(5);  // the first of them brakes what the last one began
+    EXPECT_GT(quiet, before + 1);
+    EXPECT_EQ(run.fault(), Fault::kNone);
+  }
+}
+
+TEST(Supervisor, AfterAResetItIsAsNew) {
+  // A wild history, then a reset: the same as a controller that has just been made, force by force.
+  Loop used;
+  used.go(1500);
+  used.added = 1e-3;
+  used.go(3);
+  used.added = 0.0;
+  used.step(2.0 * kPeriod);
+  used.command = kNan;
+  used.go(4);
+  used.command = 0.0;
+  used.go(300);
+  used.added = kNan;
+  used.go(60);
+  ASSERT_EQ(used.fault(), Fault::kEncoderLost);
+  used.added = 0.0;
+  used.watched.reset(*used.state);
+  Loop fresh;
+  used.t = fresh.t = 0.7;
+  for (int k = 0; k < 1200; ++k) {
+    // A late step, a lost sample and a lost reference at the beginning as well.
+    used.added = fresh.added = k == 9 ? kNan : 0.0;
+    used.command = fresh.command = k == 12 ? kNan : 0.0;
+    const double elapsed = k == 5 ? 2.0 * kPeriod : kNan;
+    const V a = used.step(elapsed);
+    const V b = fresh.step(elapsed);
+    ASSERT_EQ(a[0], b[0]) << k;
+    ASSERT_EQ(a[1], b[1]) << k;
+  }
+  EXPECT_EQ(used.fault(), Fault::kNone);
+}
+
 TEST(Supervisor, EveryFaultHasANameAndAWayOut) {
   for (std::size_t i = 0; i < kFaults; ++i) {
     const auto f = static_cast<Fault>(i);
