@@ -155,6 +155,25 @@ TEST(DynamicCompensation, AnOscillationTakesTheKalmanObserverFirstAndItsEstimate
   EXPECT_EQ(s.guard.trust, 0.5);
 }
 
+TEST(DynamicCompensation, WhatAStepOfACoarseEncoderMakesIsNoOscillation) {
+  // 100 kg: a step of the encoder in 1 ms is 1 N with 10 nm and 100 N with 1 um. A force that swings by 20 N at 10 Hz says something
+  // with the fine encoder alone.
+  for (const double resolution : {10e-9, 1e-6}) {
+    CompensationParams params;
+    params.model.mass = 100.0;
+    params.encoder_resolution = resolution;
+    params.guarded = true;
+    const Compensation c(params, 1e-3);
+    Compensation::State s;
+    StatusCounter status;
+    for (int k = 0; k < 2000; ++k) {
+      const double friction = c.step(s, 0.0, 1e-3, 0.0, status);
+      c.applied(s, friction + 10.0 * std::sin(2.0 * kPi * 10.0 * 1e-3 * k), false, status);
+    }
+    EXPECT_EQ(s.guard.found > 0, resolution < 1e-7) << resolution;
+  }
+}
+
 /// A model of the axis that knows its level and mass, and nothing of its pre-sliding.
 CompensationParams by_distance(double level, bool adaptive) {
   CompensationParams p = adapting(level, 3e8);

@@ -192,5 +192,44 @@ TEST(CuttingForceObserver, SaysWhatItCannotSee) {
   EXPECT_FALSE(p.determinable());
 }
 
+TEST(CuttingForceObserver, AsksForEachOfItsSettings) {
+  for (const double wrong : {0.0, -1.0, std::nan("")}) {
+    for (const auto setting :
+         {&Observer::Params::slow_bandwidth, &Observer::Params::wave_bandwidth, &Observer::Params::period}) {
+      Observer::Params p = params();
+      p.*setting = wrong;
+      EXPECT_FALSE(p.determinable()) << wrong;
+    }
+    Observer::Params p = params();
+    p.model.mass = wrong;
+    EXPECT_FALSE(p.determinable()) << wrong;
+  }
+  // Small numbers are not none: a mass of a gram, and everything a thousand times as slow.
+  Observer::Params p = params();
+  p.model.mass = 1e-3;
+  EXPECT_TRUE(p.determinable());
+  p.period = 1.0;
+  p.slow_bandwidth = 0.1;
+  p.wave_bandwidth = 5e-3;
+  p.frequency = {1e-3 * kTurn, 1e-3 * kTooth};
+  EXPECT_TRUE(p.determinable());
+  // A slow bandwidth of a radian per period or more.
+  CuttingForceObserver<0>::Params fast;
+  fast.model.mass = 1.0;
+  fast.slow_bandwidth = 1001.0;
+  EXPECT_FALSE(fast.determinable());
+}
+
+TEST(CuttingForceObserver, ALoadAndAFrictionThatAreKnownAreNoCuttingForce) {
+  // An axis that stands where the load and the friction hold it, for both directions in which the reference creeps.
+  for (const double creep : {1e-9, -1e-9}) {
+    const Observer observer(params());
+    Observer::State s;
+    for (int k = 0; k < 3000; ++k) observer.step(s, 10.0 + sign(creep) * 18.0, 0.0, creep, 0.25);
+    EXPECT_NEAR(observer.slow(s), 0.0, 1e-4);
+    EXPECT_NEAR(observer.coming(s), 0.0, 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::cutting_force_observer_test
