@@ -28,8 +28,9 @@ inline constexpr std::size_t kMostAxes = 6;
 /// the rest: (20, 40) means 20 along the path and 40 across it, whatever the number of axes.
 using PerAxis = FixedVector<double, kMostAxes>;
 
+/// The values of the first N axes or directions; `otherwise` for each where the list is empty.
 template <std::size_t N>
-constexpr Vec<double, N> spread(const PerAxis& list, double otherwise) noexcept {
+constexpr Vec<double, N> spread(const PerAxis& list, double otherwise = 0.0) noexcept {
   Vec<double, N> v;
   for (std::size_t i = 0; i < N; ++i)
     v[i] = list.empty() ? otherwise : list[i < list.size() ? i : list.size() - 1];

@@ -18,6 +18,7 @@
 /// Not modelled: cycles of velocity and current shorter than that of position; filters of the set values.
 /// Real time: safe; the constructor configure only.
 
+#include <limits>
 #include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/control/setup.hpp>
 
@@ -90,9 +91,9 @@ struct CascadeParams {
  private:
   template <class F>
   [[nodiscard]] constexpr bool each(F holds) const noexcept {
-    const auto p = spread<kMostAxes>(position_gain, 0.0);
-    const auto v = spread<kMostAxes>(velocity_gain, 0.0);
-    const auto t = spread<kMostAxes>(integral_time, 0.0);
+    const auto p = spread<kMostAxes>(position_gain);
+    const auto v = spread<kMostAxes>(velocity_gain);
+    const auto t = spread<kMostAxes>(integral_time);
     for (std::size_t n = 0; n < kMostAxes; ++n) {
       if (!holds(p[n], v[n], t[n])) return false;
     }
@@ -111,13 +112,13 @@ class Cascade {
 
   Cascade(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, params.error_rate),
-        position_gain_(spread<N>(params.position_gain, 0.0)),
-        velocity_gain_(spread<N>(params.velocity_gain, 0.0)),
+        position_gain_(spread<N>(params.position_gain)),
+        velocity_gain_(spread<N>(params.velocity_gain)),
         velocity_share_(params.velocity_feedforward),
         acceleration_share_(params.acceleration_feedforward),
         observed_(params.error_rate == ErrorRate::kObserved),
         limit_(setup.force_limit) {
-    const auto time = spread<N>(params.integral_time, 1.0);
+    const auto time = spread<N>(params.integral_time, std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < N; ++i) integral_gain_[i] = velocity_gain_[i] / time[i];
   }
 

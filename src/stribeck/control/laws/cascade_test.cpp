@@ -170,6 +170,14 @@ TEST(Cascade, EachSettingOfEachAxisCanMakeItUnstable) {
   }
 }
 
+TEST(Cascade, WithoutIntegralTimesItHasNoIntegral) {
+  // A constant force stays as an error of F/(m·K_p·K_v).
+  CascadeParams c;
+  c.integral_time = {};
+  test::Disturbed<CascadeParams> loop(c, 1e-3, 50.0);
+  EXPECT_NEAR(loop.error_after(3000), -50.0 / (test::kMass * 80.0 * 20.0), 1e-9);
+}
+
 TEST(Cascade, DefaultsAreStableOnTheVirtualMachines) {
   EXPECT_TRUE(CascadeParams{}.stable());
   for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(CascadeParams{}.stable(period));

@@ -56,7 +56,7 @@ template <std::size_t N>
 class ContouringFeedback {
  public:
   ContouringFeedback(const PerAxis& kp, const PerAxis& kv) noexcept
-      : kp_(spread<N>(kp, 0.0)), kv_(spread<N>(kv, 0.0)) {}
+      : kp_(spread<N>(kp)), kv_(spread<N>(kv)) {}
 
   /// For tracking errors [m] and their rates [m/s] at a point of the path.
   Vec<double, N> operator()(const path::PathPoint<N>& r, const Vec<double, N>& e,

@@ -129,9 +129,10 @@ TEST(Contouring, LimitsItsForcesAndSaysSo) {
 }
 
 TEST(Gains, AListStandsForTheRestWithItsLastValue) {
-  EXPECT_EQ((spread<3>({20.0, 40.0}, 0.0)), (Vec<double, 3>{{20.0, 40.0, 40.0}}));
-  EXPECT_EQ((spread<2>({20.0, 40.0, 60.0}, 0.0)), (Vec<double, 2>{{20.0, 40.0}}));
+  EXPECT_EQ((spread<3>({20.0, 40.0})), (Vec<double, 3>{{20.0, 40.0, 40.0}}));
+  EXPECT_EQ((spread<2>({20.0, 40.0, 60.0})), (Vec<double, 2>{{20.0, 40.0}}));
   EXPECT_EQ((spread<2>({}, 7.0)), (Vec<double, 2>{{7.0, 7.0}}));
+  EXPECT_EQ((spread<2>({})), (Vec<double, 2>{{0.0, 0.0}}));
 }
 
 }  // namespace

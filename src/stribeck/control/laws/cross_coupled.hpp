@@ -78,8 +78,8 @@ struct CrossCoupledParams {
   }
   /// Whether it is stable when sampled with this period [s], on a straight stretch; exact where the axes have equal gains.
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
-    const auto p = spread<kMostAxes>(kp, 0.0);
-    const auto v = spread<kMostAxes>(kv, 0.0);
+    const auto p = spread<kMostAxes>(kp);
+    const auto v = spread<kMostAxes>(kv);
     for (std::size_t n = 0; n < kMostAxes; ++n) {
       if (!sampled_loop_stable(p[n], v[n], 0.0, period)) return false;
       if (!sampled_loop_stable(p[n] + contour_kp, v[n] + contour_kv, contour_ki, period)) return false;
@@ -99,8 +99,8 @@ class CrossCoupled {
 
   CrossCoupled(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, params.error_rate),
-        kp_(spread<N>(params.kp, 0.0)),
-        kv_(spread<N>(params.kv, 0.0)),
+        kp_(spread<N>(params.kp)),
+        kv_(spread<N>(params.kv)),
         contour_kp_(params.contour_kp),
         contour_ki_(params.contour_ki),
         contour_kv_(params.contour_kv),

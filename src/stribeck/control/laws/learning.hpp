@@ -81,8 +81,8 @@ struct LearningParams {
                               const Truth& truth) const noexcept {
     const double x = omega * period;
     const std::complex<double> z(cos(x), sin(x));
-    const double p = spread<kMostAxes>(kp, 0.0)[direction];
-    const double v = spread<kMostAxes>(kv, 0.0)[direction] / period;
+    const double p = spread<kMostAxes>(kp)[direction];
+    const double v = spread<kMostAxes>(kv)[direction] / period;
     // Times z: feedback p + v(1 − 1/z); mass 2(z − 1)²/(T²(z + 1)).
     const std::complex<double> feedback = (p + v) * z - v;
     const std::complex<double> inertia = 2.0 * z * (z - 1.0) * (z - 1.0) / (period * period * (z + 1.0));
@@ -112,8 +112,8 @@ struct LearningParams {
   }
   /// Whether the loop is stable and every frequency is learned on a machine that equals its model. Configure only.
   [[nodiscard]] bool stable(double period) const noexcept {
-    const auto p = spread<kMostAxes>(kp, 0.0);
-    const auto v = spread<kMostAxes>(kv, 0.0);
+    const auto p = spread<kMostAxes>(kp);
+    const auto v = spread<kMostAxes>(kv);
     for (std::size_t i = 0; i < kMostAxes; ++i) {
       if (!sampled_loop_stable(p[i], v[i], 0.0, period)) return false;
     }

@@ -71,9 +71,9 @@ struct PidParams {
  private:
   template <class F>
   [[nodiscard]] constexpr bool each(F holds) const noexcept {
-    const auto p = spread<kMostAxes>(kp, 0.0);
-    const auto i = spread<kMostAxes>(ki, 0.0);
-    const auto v = spread<kMostAxes>(kv, 0.0);
+    const auto p = spread<kMostAxes>(kp);
+    const auto i = spread<kMostAxes>(ki);
+    const auto v = spread<kMostAxes>(kv);
     for (std::size_t n = 0; n < kMostAxes; ++n) {
       if (!holds(p[n], i[n], v[n])) return false;
     }
@@ -91,9 +91,9 @@ class Pid {
 
   Pid(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, params.error_rate),
-        kp_(spread<N>(params.kp, 0.0)),
-        ki_(spread<N>(params.ki, 0.0)),
-        kv_(spread<N>(params.kv, 0.0)),
+        kp_(spread<N>(params.kp)),
+        ki_(spread<N>(params.ki)),
+        kv_(spread<N>(params.kv)),
         limit_(setup.force_limit) {}
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].

@@ -64,8 +64,8 @@ struct RepetitiveParams {
 
   /// Remaining share of an error of frequency ω [rad/s] after a lap, for one axis, sampled with this period [s].
   [[nodiscard]] double factor(std::size_t axis, double omega, double period) const noexcept {
-    const double p = spread<kMostAxes>(kp, 0.0)[axis];
-    const double v = spread<kMostAxes>(kv, 0.0)[axis] / period;
+    const double p = spread<kMostAxes>(kp)[axis];
+    const double v = spread<kMostAxes>(kv)[axis] / period;
     const std::complex<double> z(cos(omega * period), sin(omega * period));
     // CP = n/m over the common denominator z(z−1)².
     const std::complex<double> n = 0.5 * period * period * (z + 1.0) * ((p + v) * z - v);
@@ -86,8 +86,8 @@ struct RepetitiveParams {
   /// Whether the loop is stable and every frequency is learned, sampled with this period [s]. Configure only.
   [[nodiscard]] bool converges(double period) const noexcept {
     constexpr int kFrequencies = 512;
-    const auto p = spread<kMostAxes>(kp, 0.0);
-    const auto v = spread<kMostAxes>(kv, 0.0);
+    const auto p = spread<kMostAxes>(kp);
+    const auto v = spread<kMostAxes>(kv);
     for (std::size_t axis = 0; axis < kMostAxes; ++axis) {
       if (!sampled_loop_stable(p[axis], v[axis], 0.0, period)) return false;
       for (int k = 1; k <= kFrequencies; ++k) {
@@ -122,8 +122,8 @@ class Repetitive {
 
   Repetitive(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, ErrorRate::kDifferenceOfError),
-        kp_(spread<N>(params.kp, 0.0)),
-        kv_(spread<N>(params.kv, 0.0)),
+        kp_(spread<N>(params.kp)),
+        kv_(spread<N>(params.kv)),
         learning_(params.learning),
         width_(params.width() / setup.period),
         lead_(params.lead),

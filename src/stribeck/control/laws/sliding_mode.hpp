@@ -137,8 +137,8 @@ struct SlidingModeParams {
   }
   template <class Report>
   void validate(Report&& report) const {
-    const auto least = spread<kMostAxes>(gamma_least, 0.0);
-    const auto most = spread<kMostAxes>(gamma_most, 0.0);
+    const auto least = spread<kMostAxes>(gamma_least);
+    const auto most = spread<kMostAxes>(gamma_most);
     for (std::size_t i = 0; i < kMostAxes; ++i) {
       if (least[i] > most[i]) return report("gamma_most", "expected at least gamma_least in each direction");
     }
@@ -173,11 +173,11 @@ class SlidingMode {
 
   SlidingMode(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, params.error_rate),
-        lambda_(spread<N>(params.lambda, 0.0)),
-        a_(spread<N>(params.a, 0.0)),
-        gamma_(spread<N>(params.gamma, 0.0)),
-        mass_bound_(spread<N>(params.mass_bound, 0.0)),
-        force_bound_(spread<N>(params.force_bound, 0.0)),
+        lambda_(spread<N>(params.lambda)),
+        a_(spread<N>(params.a)),
+        gamma_(spread<N>(params.gamma)),
+        mass_bound_(spread<N>(params.mass_bound)),
+        force_bound_(spread<N>(params.force_bound)),
         switching_(params.switching),
         inverse_boundary_(1.0 / params.boundary),
         disturbance_rate_(params.disturbance_rate),
@@ -185,8 +185,8 @@ class SlidingMode {
         adaptive_(params.gain == SwitchingGain::kAdaptive),
         growth_(params.growth),
         layer_(params.layer),
-        least_(spread<N>(params.gamma_least, 0.0)),
-        most_(spread<N>(params.gamma_most, 0.0)),
+        least_(spread<N>(params.gamma_least)),
+        most_(spread<N>(params.gamma_most)),
         force_limit_(setup.force_limit) {
     for (std::size_t i = 0; i < N; ++i)
       least_mass_inverse_[i] = least_mass_inverse(common_.mass(i), mass_bound_[i]);

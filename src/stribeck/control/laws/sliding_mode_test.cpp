@@ -169,7 +169,7 @@ Case case_of(const Point& x, const SlidingModeParams& p, const Room& room) {
     c.force[i] = room.force * in_box(x[23 + i]);
   }
   // e, ė that have this surface; q̈_d that leaves this acceleration.
-  const V3 lambda = spread<3>(p.lambda, 0.0);
+  const V3 lambda = spread<3>(p.lambda);
   V3 local_rate, w_local;
   for (std::size_t i = 0; i < 3; ++i) local_rate[i] = surface[i] - lambda[i] * local[i];
   c.e = to_machine(c.r.frame, local);
@@ -198,9 +198,9 @@ Outcome lyapunov(const SlidingMode<3>& law, const SlidingModeParams& p, const Ca
   const V3 local = c.r.frame * c.e;
   const V3 local_rate = c.r.frame * c.rate;
   const V3 pushed = c.r.frame * (acceleration - c.r.acceleration);
-  const V3 lambda = spread<3>(p.lambda, 0.0);
-  const V3 a = spread<3>(p.a, 0.0);
-  const V3 gamma = spread<3>(p.gamma, 0.0);
+  const V3 lambda = spread<3>(p.lambda);
+  const V3 a = spread<3>(p.a);
+  const V3 gamma = spread<3>(p.gamma);
   double slope = 0.0;
   double bound = 0.0;
   double square = 0.0;

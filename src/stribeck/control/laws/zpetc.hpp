@@ -72,8 +72,8 @@ struct ZpetcParams {
 
   /// Whether it is stable when sampled with this period [s].
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
-    const auto p = spread<kMostAxes>(kp, 0.0);
-    const auto v = spread<kMostAxes>(kv, 0.0);
+    const auto p = spread<kMostAxes>(kp);
+    const auto v = spread<kMostAxes>(kv);
     for (std::size_t n = 0; n < kMostAxes; ++n) {
       if (!sampled_loop_stable(p[n], v[n], 0.0, period)) return false;
     }
@@ -98,8 +98,8 @@ class Zpetc {
 
   Zpetc(const Params& params, const Setup<N>& setup) noexcept
       : common_(setup, ErrorRate::kDifferenceOfError),
-        kp_(spread<N>(params.kp, 0.0)),
-        kv_(spread<N>(params.kv, 0.0)),
+        kp_(spread<N>(params.kp)),
+        kv_(spread<N>(params.kv)),
         delayed_(params.preview == Preview::kDelayed) {}
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].

@@ -35,7 +35,7 @@ class PulsedCascade final : public AroundCascade {
   PulsedCascade(const sim::AnyController<2>& cascade, const control::CascadeParams& params, double period,
                 std::array<Pulse, 2> pulses)
       : AroundCascade(cascade),
-        gain_(control::spread<2>(params.position_gain, 0.0)),
+        gain_(control::spread<2>(params.position_gain)),
         share_(params.velocity_feedforward),
         period_(period),
         pulses_(std::move(pulses)) {}

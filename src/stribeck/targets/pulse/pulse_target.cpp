@@ -315,7 +315,7 @@ PulseTask with_gains_of(PulseTask t, std::size_t axis) {
       std::count_if(t.numbers.begin(), t.numbers.end(), [&](std::size_t other) { return other < number; }));
   for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time}) {
     const std::size_t at = list->size() > t.numbers.size() ? number : rank;
-    *list = {control::spread<control::kMostAxes>(*list, 0.0)[std::min(at, control::kMostAxes - 1)]};
+    *list = {control::spread<control::kMostAxes>(*list)[std::min(at, control::kMostAxes - 1)]};
   }
   return t;
 }
