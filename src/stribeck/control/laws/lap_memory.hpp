@@ -63,10 +63,10 @@ class LapMemory {
   }
   /// Makes the next entry start anew instead of continuing the last one.
   static void interrupt(State& s) noexcept { s.writing = false; }
-  /// Forgets all laps.
+  /// Forgets all laps: what the ring holds counts again from the cell on in which the next entry begins.
   static void forget(State& s) noexcept {
     s.writing = false;
-    s.first = static_cast<std::int64_t>(std::floor(s.place + 0.5)) + 1;
+    s.first = kNone;
   }
   /// Whether the cells around a place have been written since the last forget().
   [[nodiscard]] static bool knows(const State& s, double place) noexcept {
@@ -77,7 +77,7 @@ class LapMemory {
   template <std::size_t K = M>
   static Vec<double, K> read(const State& s, double place, double width) noexcept {
     const auto reach = static_cast<std::int64_t>(kReach * width) + 1;
-    const auto middle = static_cast<std::int64_t>(std::floor(place + 0.5));
+    const auto middle = cell_at(place);
     // wide = exp(−x²/4σ²) and the ratio to its neighbour follow by multiplication; the narrow Gaussian is the square of the wide one.
     const double scale = 0.25 / (width * width);
     const double x = static_cast<double>(middle - reach) - place;
@@ -121,6 +121,7 @@ class LapMemory {
       s.writing = true;
       s.covered = 0.0;
       s.sum = {};
+      if (s.first == kNone) s.first = cell_at(place);
     } else {
       const double moved = place - s.written;
       double from = s.written;
@@ -132,7 +133,7 @@ class LapMemory {
         s.sum = s.sum + (0.5 * (to - from)) * (at + there);
         s.covered += to - from;
         if (to == border) {
-          auto& cell = s.cell[slot(static_cast<std::int64_t>(std::floor(from + 0.5)))];
+          auto& cell = s.cell[slot(cell_at(from))];
           for (std::size_t i = 0; i < M; ++i) cell[i] = static_cast<Real>(s.sum[i] / s.covered);
           s.sum = {};
           s.covered = 0.0;
@@ -146,6 +147,13 @@ class LapMemory {
   }
 
  private:
+  /// Of `first`: all cells are forgotten.
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+
+  /// The cell whose middle is nearest.
+  static std::int64_t cell_at(double place) noexcept {
+    return static_cast<std::int64_t>(std::floor(place + 0.5));
+  }
   static constexpr std::size_t slot(std::int64_t bin) noexcept {
     const std::int64_t r = bin % Ring;
     return static_cast<std::size_t>(r < 0 ? r + Ring : r);

@@ -445,6 +445,36 @@ TEST(LapMemory, KnowsNothingOfWhatItForgot) {
   EXPECT_EQ(Memory::read(s, s.place - 64.0, 2.0), (Vec2{}));
 }
 
+TEST(LapMemory, NoCellKeepsWhatWasForgotten) {
+  // Laps of nines are forgotten. Ones are written from some places later on, beginning anywhere in a cell: a lap later nothing else
+  // is read.
+  for (const double begin : {0.0, 0.25, 0.5, 0.75}) {
+    Memory::State s;
+    for (int k = 0; k <= 600; ++k) {
+      Memory::advance(s, 0.5 * k, 1.0);
+      Memory::write(s, s.place, {{9.0, 9.0}});
+    }
+    Memory::forget(s);
+    EXPECT_FALSE(Memory::knows(s, s.place));
+    for (int k = 0; k < 120; ++k) {
+      Memory::advance(s, 303.0 + begin + 0.75 * k, 1.0);
+      if (s.place < 360.0) {
+        EXPECT_EQ(Memory::read(s, s.place - 64.0, 0.9), (Vec2{})) << "from before";
+      }
+      Memory::write(s, s.place, {{1.0, -1.0}});
+      if (s.place > 370.0) break;
+    }
+    for (double place = 296.0; place < 360.0; place += 0.5) {
+      const auto read = Memory::read(s, place, 0.9);
+      EXPECT_LT(std::abs(read[0]), 1.3) << begin << ' ' << place;
+      EXPECT_EQ(read[0], -read[1]) << begin << ' ' << place;
+    }
+    EXPECT_NEAR(Memory::read(s, 320.0, 0.9)[0], 1.0, 1e-9);
+    EXPECT_TRUE(Memory::knows(s, 306.0));
+    EXPECT_FALSE(Memory::knows(s, 303.0));
+  }
+}
+
 TEST(LapMemory, FollowsAParameterThatBeginsAnew) {
   Memory::State s;
   Memory::advance(s, 60.0, 1.0);
