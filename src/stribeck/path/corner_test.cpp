@@ -23,5 +23,13 @@ TEST(Corner, ABlendOfTheLengthForADeviationHasIt) {
     EXPECT_NEAR(blend_deviation(blend_length(5e-6, sine), sine), 5e-6, 1e-18);
 }
 
+TEST(Corner, TwiceTheBlendIsTwiceAsFarFromTheCorner) {
+  for (const double sine : {0.1, 0.7, 1.0}) {
+    EXPECT_DOUBLE_EQ(blend_deviation(4e-3, sine), 2.0 * blend_deviation(2e-3, sine));
+    EXPECT_DOUBLE_EQ(blend_length(4e-6, sine), 2.0 * blend_length(2e-6, sine));
+    EXPECT_DOUBLE_EQ(blend_length(2e-6, 0.5 * sine), 2.0 * blend_length(2e-6, sine));
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::path::corner_test

@@ -150,6 +150,26 @@ TEST(ConeFrustum, WithoutConeTheTableStands) {
   EXPECT_TRUE(c.possible());
 }
 
+TEST(ConeFrustum, AsGivenItIsPossibleAndEachOfItsSizesCanBeWrong) {
+  EXPECT_TRUE(ConeFrustum{}.possible());
+  for (const double wrong : {0.0, -0.1, std::nan("")}) {
+    ConeFrustum c;
+    c.radius = wrong;
+    EXPECT_FALSE(c.possible()) << wrong;
+    c = {};
+    c.inclination = wrong;
+    EXPECT_FALSE(c.possible()) << wrong;
+    c = {};
+    c.half_angle = wrong;
+    EXPECT_EQ(c.possible(), wrong == 0.0) << wrong;
+  }
+  ConeFrustum c;
+  c.radius = 1e-4;  // a tenth of a millimetre
+  c.inclination = 0.02;
+  c.half_angle = 0.01;
+  EXPECT_TRUE(c.possible());
+}
+
 TEST(ConeFrustum, DerivativesOfAxisMotionAreTheLimitOfDifferences) {
   const ConeFrustum c = frustum();
   constexpr double kStep = 1e-3;

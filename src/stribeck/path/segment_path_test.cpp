@@ -103,6 +103,40 @@ TEST(SegmentPath, StaysOnTheBranchThatIsBeingTravelled) {
   EXPECT_NEAR(path.nearest({{0.02, 6e-4}}, 0.181).phi, 0.181, kSearch);
 }
 
+TEST(SegmentPath, LooksAtTheNearestTwoHundredAndFiftySixSegments) {
+  // 800 segments of 0.1 mm along x. A position far from the reference is looked for so far, and no farther, to both sides.
+  std::array<Segment<2>, 800> many;
+  for (std::size_t i = 0; i < many.size(); ++i) {
+    const double x = 1e-4 * static_cast<double>(i);
+    many[i] = line({{x, 0.0}}, {{x + 1e-4, 0.0}});
+  }
+  many = in_a_row(many);
+  const SegmentPath<2> path{many};
+  constexpr double kReach = 256 * 1e-4;
+  for (const double from : {0.04005, 0.03505}) {
+    EXPECT_NEAR(path.nearest({{from + 0.02, 0.0}}, from).phi, from + 0.02, kSearch);
+    EXPECT_NEAR(path.nearest({{from - 0.02, 0.0}}, from).phi, from - 0.02, kSearch);
+    EXPECT_NEAR(path.nearest({{from + 0.033, 0.0}}, from).phi, from + kReach, 1e-4);
+    EXPECT_NEAR(path.nearest({{from - 0.033, 0.0}}, from).phi, from - kReach, 1e-4);
+  }
+  // At the ends there are none beyond.
+  EXPECT_NEAR(path.nearest({{2e-3, 1e-3}}, 5e-5).phi, 2e-3, kSearch);
+  EXPECT_NEAR(path.nearest({{0.078, 1e-3}}, 0.07995).phi, 0.078, kSearch);
+}
+
+TEST(Segment, TheNearestPlaceIsFoundDeepInsideAnArc) {
+  // 40 % of the radius inside and outside, from the ends of a quarter.
+  const Segment<2> quarter = arc({{0.0, 0.0}}, 0.01, 0.0, 0.5 * kPi);
+  for (const double radius : {0.006, 0.014}) {
+    for (const double degrees : {10.0, 45.0, 80.0}) {
+      const double angle = degrees * kPi / 180.0;
+      const Point p{{radius * std::cos(angle), radius * std::sin(angle)}};
+      for (const double start : {0.0, 0.5 * quarter.length, quarter.length})
+        EXPECT_NEAR(quarter.nearest(p, start), 0.01 * angle, 1e-9) << radius << ' ' << degrees;
+    }
+  }
+}
+
 TEST(Segment, ASpiralIsAsLongAsCalculusSays) {
   // r = a(1 + Θ·ψ/2π) over one turn, with a = 10 mm and Θ = 1: arc length of an Archimedean spiral in closed form.
   Segment<2> s = arc({{0.0, 0.0}}, 0.01, 0.0, 2.0 * kPi);
@@ -166,6 +200,15 @@ TEST(Corner, JoinsBothSegmentsWithFourDerivatives) {
   }
 }
 
+TEST(Corner, IsNotPlacedYet) {
+  // Its place on the path and its length are for the caller, who knows what comes before it.
+  const Segment<2> corner = make_corner(kHook[0], 0.028, kHook[2], 2e-3);
+  EXPECT_EQ(corner.begin, 0.0);
+  EXPECT_EQ(corner.travelled, 0.0);
+  EXPECT_EQ(corner.extent, 0.0);
+  EXPECT_FALSE(corner.by_distance());
+}
+
 TEST(Corner, KeepsTheDistanceFromTheCornerThatItsLengthGives) {
   // A right angle, blended over 2 mm to both sides.
   const Segment<2> before = line({{0.0, 0.0}}, {{0.03, 0.0}});
@@ -189,6 +232,12 @@ TEST(Corner, KeepsTheDistanceFromTheCornerThatItsLengthGives) {
   EXPECT_GT(corner.extent, std::hypot(2e-3, 2e-3));
   EXPECT_NEAR(corner.place(0.5 * corner.extent), 0.5 * corner.length, 1e-9);
   EXPECT_NEAR(corner.nearest(middle, 0.2 * corner.length), 0.5 * corner.length, 1e-9);
+}
+
+TEST(FeedProfile, WithoutPhasesItTakesNoTimeAndNoWay) {
+  EXPECT_EQ(FeedProfile{}.duration(), 0.0);
+  EXPECT_EQ(FeedProfile{}.length(), 0.0);
+  EXPECT_TRUE(FeedProfile{}.phases().empty());
 }
 
 TEST(FeedProfile, IsWhereConstantJerkTakesIt) {

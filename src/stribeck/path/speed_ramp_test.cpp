@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stribeck/path/speed_ramp.hpp>
+#include <utility>
 
 namespace stribeck::path::speed_ramp_test {
 namespace {
@@ -108,6 +110,55 @@ TEST(Reachable, BetweenTwoSpeedsIsTheOneWhoseRampsFillTheDistance) {
   EXPECT_EQ(reachable_between(0.2, 0.5, distance, 0.8, 2.0, 10.0), 0.8);
   EXPECT_EQ(reachable_between(0.2, 0.5, distance, 0.4, 2.0, 10.0), 0.5);
   EXPECT_EQ(reachable_between(0.6, 0.5, distance, 0.4, 2.0, 10.0), 0.6);
+}
+
+TEST(SpeedRamp, ARampThatIsNoneTakesNoTimeAndNoWay) {
+  const SpeedRamp none;
+  EXPECT_EQ(none.duration(), 0.0);
+  EXPECT_EQ(none.distance(), 0.0);
+  for (const FeedPhase& phase : none.phases(3.0, 0.2)) {
+    EXPECT_EQ(phase.time, 3.0);
+    EXPECT_EQ(phase.s, 0.2);
+    EXPECT_EQ(phase.speed, 0.0);
+    EXPECT_EQ(phase.acceleration, 0.0);
+    EXPECT_EQ(phase.jerk, 0.0);
+  }
+}
+
+TEST(SpeedRamp, ReachesExactlyWhatTheDistancePermits) {
+  // From the answer back: the ramps up to the speed that is reachable take the whole distance.
+  for (const double v : {0.0, 0.3}) {
+    for (const double way : {0.05, 0.4}) {
+      const double up = reachable(v, way, 5.0, 2.0, 10.0);
+      EXPECT_NEAR(SpeedRamp(v, up, 2.0, 10.0).distance(), way, 1e-12);
+      for (const double end : {0.0, 0.1}) {
+        const double between = reachable_between(v, end, way, 5.0, 2.0, 10.0);
+        if (between > std::max(v, end)) {
+          EXPECT_NEAR(
+              SpeedRamp(v, between, 2.0, 10.0).distance() + SpeedRamp(between, end, 2.0, 10.0).distance(),
+              way, 1e-12);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(reachable(0.3, 10.0, 0.8, 2.0, 10.0), 0.8);
+  EXPECT_EQ(reachable(0.3, 10.0, 0.2, 2.0, 10.0), 0.3) << "no slower than it is";
+  EXPECT_EQ(reachable_between(0.3, 0.1, 10.0, 0.8, 2.0, 10.0), 0.8);
+  EXPECT_EQ(reachable_between(0.3, 0.4, 10.0, 0.2, 2.0, 10.0), 0.4);
+}
+
+TEST(SpeedRamp, AfterAnyPartOfItsWayItHasTheSpeedOfThatPart) {
+  // Against the phases, which say time, way and speed.
+  for (const auto& [from, to] : {std::pair{0.0, 1.0}, std::pair{1.0, 0.2}, std::pair{0.4, 0.5}}) {
+    const SpeedRamp ramp(from, to, 2.0, 10.0);
+    for (const FeedPhase& phase : ramp.phases(0.0, 0.0)) {
+      if (phase.s > 0.0) {
+        EXPECT_NEAR(speed_after(ramp, phase.s), phase.speed, 1e-9);
+      }
+    }
+    EXPECT_NEAR(speed_after(ramp, ramp.distance()), to, 1e-9);
+    EXPECT_NEAR(speed_after(ramp, 0.0), from, 1e-9);
+  }
 }
 
 }  // namespace
