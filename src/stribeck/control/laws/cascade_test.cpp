@@ -4,6 +4,7 @@
 #include <stribeck/control/laws/cascade.hpp>
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
+#include <stribeck/core/test_fields.hpp>
 
 namespace stribeck::control::cascade_test {
 namespace {
@@ -168,6 +169,14 @@ TEST(Cascade, EachSettingOfEachAxisCanMakeItUnstable) {
       }
     }
   }
+}
+
+TEST(Cascade, SaysWhichGainMakesItUnstable) {
+  using Keys = std::set<std::string>;
+  EXPECT_EQ(stribeck::test::complaints(CascadeParams{}), Keys{});
+  CascadeParams c;
+  c.velocity_gain = {1.0};
+  EXPECT_EQ(stribeck::test::complaints(c), Keys{"velocity_gain"});
 }
 
 TEST(Cascade, WithoutIntegralTimesItHasNoIntegral) {

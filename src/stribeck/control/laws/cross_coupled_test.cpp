@@ -6,6 +6,7 @@
 #include <stribeck/control/laws/cross_coupled.hpp>
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
+#include <stribeck/core/test_fields.hpp>
 #include <stribeck/path/curve.hpp>
 
 namespace stribeck::control::cross_coupled_test {
@@ -181,6 +182,53 @@ TEST(CrossCoupled, WhatTheConditionPromisesHoldsInEveryDirectionWithUnequalAxes)
 TEST(CrossCoupled, DefaultsAreStableOnTheVirtualMachines) {
   EXPECT_TRUE(CrossCoupledParams{}.stable());
   for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(CrossCoupledParams{}.stable(period));
+}
+
+TEST(CrossCoupled, SaysWhichGainMakesItUnstable) {
+  using Keys = std::set<std::string>;
+  EXPECT_EQ(stribeck::test::complaints(CrossCoupledParams{}), Keys{});
+  CrossCoupledParams p;
+  p.contour_ki = 1e9;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{"contour_ki"});
+}
+
+TEST(CrossCoupled, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
+  // The same loop in seconds, in milliseconds and in hours; k_i just inside and just outside of the border of equal axes.
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double share : {0.0, 0.99, 1.01}) {
+      CrossCoupledParams p;
+      p.kp = {900.0 / (second * second)};
+      p.kv = {60.0 / second};
+      p.contour_kp = 300.0 / (second * second);
+      p.contour_kv = 20.0 / second;
+      p.contour_ki = share * 1200.0 * 80.0 / (second * second * second);
+      EXPECT_EQ(p.stable(), share < 1.0) << second << ", " << share;
+      EXPECT_EQ(p.stable(1e-4 * second), share < 1.0) << second << ", " << share;
+    }
+  }
+}
+
+TEST(CrossCoupled, EachGainOfEachAxisCanMakeItUnstable) {
+  for (const double wrong : {0.0, -1e-3, -1e3}) {
+    for (const auto gain : {&CrossCoupledParams::kp, &CrossCoupledParams::kv}) {
+      for (const std::size_t axis : {0, 2}) {
+        CrossCoupledParams p;
+        const double good = (p.*gain)[0];
+        p.*gain = {good, good, good};
+        ASSERT_TRUE(p.stable() && p.stable(1e-3));
+        (p.*gain)[axis] = wrong;
+        EXPECT_FALSE(p.stable()) << wrong << " on axis " << axis;
+        EXPECT_FALSE(p.stable(1e-3)) << wrong << " on axis " << axis;
+      }
+    }
+  }
+  // And those of the coupling: the sum with the gain of the axes decides.
+  CrossCoupledParams p;
+  p.contour_kp = -p.kp[0] - 1.0;
+  EXPECT_FALSE(p.stable(1e-3));
+  p = {};
+  p.contour_kv = -p.kv[0] - 1.0;
+  EXPECT_FALSE(p.stable(1e-3));
 }
 
 TEST(CrossCoupled, ItsIntegralsStandStillWhileAnAxisIsLimited) {

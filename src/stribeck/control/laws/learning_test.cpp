@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <random>
 #include <stribeck/control/laws/learning.hpp>
 #include <stribeck/control/laws/test_laps.hpp>
@@ -307,6 +308,71 @@ TEST(LearningParams, ConvergesOnMachinesNearTheModelAndSaysWhereNot) {
   q.learning = 0.0;
   EXPECT_TRUE(q.stable(5e-3));
   EXPECT_FALSE(q.converges(5e-3, {}));
+}
+
+TEST(LearningParams, WhetherItConvergesDoesNotDependOnTheUnitOfTime) {
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double kp : {1600.0, 1e5}) {
+      LearningParams p;
+      p.kp = {kp / (second * second)};
+      p.kv = {80.0 / second};
+      p.cutoff = 200.0 / second;
+      LearningParams si;
+      si.kp = {kp};
+      EXPECT_EQ(p.stable(5e-3 * second), si.stable(5e-3)) << second << ", " << kp;
+      for (const double omega : {1.0, 30.0, 300.0}) {
+        const LearningParams::Truth off{1.2, 2000.0, 1};
+        const LearningParams::Truth same{1.2, 2000.0 / (second * second), 1};
+        EXPECT_NEAR(p.factor(0, omega / second, 5e-3 * second, same), si.factor(0, omega, 5e-3, off), 1e-12);
+      }
+    }
+  }
+}
+
+TEST(LearningParams, AMachineThatIsNotDescribedEqualsItsModel) {
+  const LearningParams p;
+  for (const double omega : {5.0, 50.0, 150.0})
+    EXPECT_EQ(p.factor(0, omega, 5e-3), p.factor(0, omega, 5e-3, {1.0, 0.0, 0})) << omega;
+  for (const std::size_t direction : {0, 2}) {
+    LearningParams weak;
+    weak.kp = {1600.0, 1600.0, 1600.0};
+    weak.kv = {80.0, 80.0, 80.0};
+    ASSERT_TRUE(weak.stable(1e-3));
+    weak.kv[direction] = 0.0;
+    EXPECT_FALSE(weak.stable(1e-3)) << direction;
+  }
+}
+
+TEST(Learning, TwoAxesLearnAsEachAloneAndTogetherTheyMissTheRootOfTheSum) {
+  // Different forces are missing on the axes; masses, limits and the lap are the same.
+  auto setup = test::masses<2>(2e-3);
+  setup.lap = 2.0 * kPi;
+  auto single = test::masses<1>(2e-3);
+  single.lap = setup.lap;
+  const Learning<2> both({}, setup);
+  const Learning<1> one({}, single);
+  auto s = std::make_unique<Learning<2>::State>();
+  std::array<std::unique_ptr<Learning<1>::State>, 2> alone{std::make_unique<Learning<1>::State>(),
+                                                           std::make_unique<Learning<1>::State>()};
+  std::array<test::Mass, 2> mass;
+  path::PathPoint<2> r;
+  EXPECT_EQ(s->update, 0.0) << "no pass is over";
+  EXPECT_EQ(s->error, 0.0);
+  for (int k = 0; k < 2600; ++k) {
+    r.phi = 5e-3 * k;
+    path::PathPoint<1> r1;
+    r1.phi = r.phi;
+    const std::array<double, 2> missing{30.0 * std::sin(3.0 * r.phi), 80.0 * std::cos(2.0 * r.phi)};
+    const Vec2 force = both.step(*s, r, Vec2{{mass[0].x, mass[1].x}});
+    for (std::size_t i = 0; i < 2; ++i) {
+      ASSERT_NEAR(one.step(*alone[i], r1, {{mass[i].x}})[0], force[i], 1e-9) << k;
+      mass[i].move(force[i] - missing[i], 2e-3);
+    }
+  }
+  ASSERT_GT(s->passes, 1u);
+  EXPECT_NEAR(s->update, std::hypot(alone[0]->update, alone[1]->update), 1e-9);
+  EXPECT_NEAR(s->error, std::hypot(alone[0]->error, alone[1]->error), 1e-15);
+  EXPECT_GT(alone[1]->update, 1.5 * alone[0]->update);
 }
 
 TEST(Learning, WithoutALapItIsContouring) {

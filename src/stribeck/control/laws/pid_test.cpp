@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
+#include <stribeck/core/test_fields.hpp>
 
 namespace stribeck::control::pid_test {
 namespace {
@@ -148,6 +149,14 @@ TEST(Pid, EachGainOfEachAxisCanMakeItUnstable) {
       }
     }
   }
+}
+
+TEST(Pid, SaysWhichGainMakesItUnstable) {
+  using Keys = std::set<std::string>;
+  EXPECT_EQ(stribeck::test::complaints(PidParams{}), Keys{});
+  PidParams p;
+  p.ki = {1e9};
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{"ki"});
 }
 
 TEST(Pid, WithoutGainsThereIsNoFeedback) {

@@ -216,5 +216,33 @@ TEST(Repetitive, FirstLapAnswersADisturbanceAsPdDoes) {
   }
 }
 
+TEST(RepetitiveParams, WhetherItConvergesDoesNotDependOnTheUnitOfTime) {
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double cutoff : {100.0, 1000.0}) {
+      RepetitiveParams p;
+      p.kp = {1600.0 / (second * second)};
+      p.kv = {80.0 / second};
+      p.cutoff = cutoff / second;
+      RepetitiveParams si;
+      si.cutoff = cutoff;
+      EXPECT_EQ(p.converges(5e-3 * second), si.converges(5e-3)) << second << ", " << cutoff;
+      for (const double omega : {1.0, 30.0, 300.0})
+        EXPECT_NEAR(p.factor(0, omega / second, 5e-3 * second), si.factor(0, omega, 5e-3), 1e-12) << omega;
+    }
+  }
+}
+
+TEST(RepetitiveParams, AnyAxisCanKeepItFromConverging) {
+  for (const std::size_t axis : {0, 2}) {
+    RepetitiveParams p;
+    p.kp = {1600.0, 1600.0, 1600.0};
+    p.kv = {80.0, 80.0, 80.0};
+    ASSERT_TRUE(p.converges(1e-3));
+    p.kv[axis] = 0.0;  // no damping
+    EXPECT_FALSE(p.converges(1e-3)) << axis;
+    EXPECT_NE(p.factor(axis, 30.0, 1e-3), p.factor(1, 30.0, 1e-3)) << axis;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::repetitive_test

@@ -168,5 +168,30 @@ TEST(Zpetc, KeepsWhatEveryLawKeeps) {
     EXPECT_LT(test::worst_error_under_known_friction(ZpetcParams{}, period), 1e-12);
 }
 
+TEST(Zpetc, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double share : {0.999, 1.001}) {
+      // A double pole is stable up to ω·T = 0.7 (sampled_loop.hpp): the border itself is searched in seconds.
+      double below = 100.0;
+      double above = 200.0;
+      for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (below + above);
+        (ZpetcParams::critical(middle).stable(5e-3) ? below : above) = middle;
+      }
+      EXPECT_EQ(ZpetcParams::critical(share * below / second).stable(5e-3 * second), share < 1.0) << second;
+    }
+  }
+  for (const std::size_t axis : {0, 2}) {
+    ZpetcParams p;
+    p.kp = {1600.0, 1600.0, 1600.0};
+    p.kp[axis] = -1.0;
+    EXPECT_FALSE(p.stable(1e-3)) << axis;
+    p = {};
+    p.kv = {80.0, 80.0, 80.0};
+    p.kv[axis] = 0.0;
+    EXPECT_FALSE(p.stable(1e-3)) << axis;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::zpetc_test
