@@ -24,5 +24,18 @@ TEST(FixedVector, ItsElementsMayBeChangedInALoop) {
   EXPECT_EQ(v, (FixedVector<int, 4>{10, 20, 30}));
 }
 
+TEST(FixedVector, GrowsByNewElementsAndNeverBeyondItsCapacity) {
+  FixedVector<int, 4> v{1, 2, 3};
+  v.resize(1);
+  EXPECT_EQ(v, (FixedVector<int, 4>{1}));
+  v.resize(3);
+  EXPECT_EQ(v, (FixedVector<int, 4>{1, 0, 0})) << "what was there before is gone";
+  v.resize(9);
+  EXPECT_TRUE(v.full());
+  EXPECT_EQ(v.size(), 4U);
+  v.clear();
+  EXPECT_TRUE(v.empty());
+}
+
 }  // namespace
 }  // namespace stribeck::fixed_vector_test

@@ -71,5 +71,37 @@ TEST(ModelUncertainty, WhatWouldLeaveNoMassOrFrictionIsHalved) {
   EXPECT_TRUE(is_possible(moved));
 }
 
+TEST(ModelUncertainty, AModelIsPossibleWithAnyMassAndFrictionAboveZero) {
+  AxisModel m = conventional();
+  m.mass = 1e-3;  // a stage of a gram
+  EXPECT_TRUE(is_possible(m));
+  for (const double none : {0.0, -1.0, std::nan("")}) {
+    m.mass = none;
+    EXPECT_FALSE(is_possible(m)) << none;
+  }
+  m = conventional();
+  std::get<Conventional<double>>(m.friction.steady).alpha0 =
+      -1.0;  // below the rise at standstill nothing brakes
+  EXPECT_FALSE(is_possible(m));
+  // A branch of a map that is wrong at the end of its range.
+  for (const bool positive : {false, true}) {
+    AxisModel g = gaussian();
+    auto& map = std::get<Gaussian<double>>(g.friction.steady);
+    EXPECT_TRUE(is_possible(g));
+    (positive ? map.positive : map.negative)
+        .gaussians.push_back({positive ? -40.0 : 40.0, positive ? 0.3 : -0.2, 0.01});
+    EXPECT_FALSE(is_possible(g)) << positive;
+  }
+}
+
+TEST(ModelUncertainty, NoDeviationIsNoChange) {
+  for (const AxisModel& m : {conventional(), gaussian()}) {
+    const AxisModel same = deviated(m, {}, 4e-3);
+    EXPECT_EQ(same.mass, m.mass);
+    EXPECT_EQ(same.load, m.load);
+    for (const double v : {-0.15, -1e-3, 1e-3, 0.2}) EXPECT_EQ(force(same, v), force(m, v)) << v;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::friction::uncertainty_test
