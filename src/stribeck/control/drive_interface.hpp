@@ -60,7 +60,7 @@ class DriveCommand {
         integral_step_(stiffness_ * period) {
     if (loop.mode == friction::DriveMode::kPosition) {
       const double lag = *loop.velocity_feedforward / *loop.position_gain;
-      follow_ = lag > 0.0 ? 1.0 - exp(-period / lag) : 1.0;
+      if (lag > 0.0) follow_ = 1.0 - exp(-period / lag);
     }
   }
 

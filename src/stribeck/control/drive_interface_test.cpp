@@ -231,5 +231,153 @@ TEST(DriveInterface, ObserverEstimateStaysZeroWithoutForceFeedback) {
   EXPECT_EQ(estimate_after(velocity_loop()), 0.0);
 }
 
+/// A machine of three kinds of drives: forces alone; a position loop that reports nothing; a velocity loop that reports its force.
+Setup<3> three_kinds() {
+  Setup<3> setup;
+  setup.period = kPeriod;
+  for (std::size_t i = 0; i < 3; ++i) {
+    setup.compensation[i].model.mass = 50.0 + 30.0 * static_cast<double>(i);
+    setup.compensation[i].model.load = 20.0 * static_cast<double>(i);
+    setup.compensation[i].delay = 0.2e-3 * static_cast<double>(i);
+  }
+  setup.compensation[1].model.drive_loop = position_loop(0.5);
+  setup.compensation[2].model.drive_loop = velocity_loop();
+  setup.compensation[2].model.drive_loop->force_feedback = true;
+  return setup;
+}
+
+/// Axis i of the same machine.
+Setup<1> kind(std::size_t i) {
+  Setup<1> setup;
+  setup.period = kPeriod;
+  setup.compensation[0] = three_kinds().compensation[i];
+  return setup;
+}
+
+TEST(DriveInterface, EachAxisOfAMachineIsTheAxisAlone) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  // In any order of the axes: the first one has a loop or has none.
+  for (std::size_t shift = 0; shift < 3; ++shift) {
+    auto setup = three_kinds();
+    for (std::size_t i = 0; i < 3; ++i) setup.compensation[i] = three_kinds().compensation[(i + shift) % 3];
+    const DriveInterface<3> machine(setup);
+    DriveInterface<3>::State s{};
+    Common<3>::State law;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t k = (i + shift) % 3;
+      const DriveInterface<1> axis(kind(k));
+      DriveInterface<1>::State t{};
+      Common<1>::State law1;
+      s = {};
+      law = {};
+      for (int n = 0; n < 40; ++n) {
+        path::PathPoint<3> r;
+        Vec<double, 3> x, force, acted;
+        for (std::size_t j = 0; j < 3; ++j) {
+          const double size = 1.0 + static_cast<double>((j + shift) % 3);
+          r.position[j] = 1e-3 * size * n;
+          r.velocity[j] = 1e-3 * size;
+          r.acceleration[j] = 0.1 * size * (n % 3);
+          x[j] = n < 3 ? kNan : r.position[j] + 1e-6 * size;
+          if (n == 1) r.position[j] = 0.5 * size;
+          if (n == 20) x[j] = kNan;
+          force[j] = 10.0 * size * n;
+          acted[j] = n % 5 == 4 ? kNan : 7.0 * size + n;
+          law.compensation[j].balance = 3.0 * size;
+        }
+        path::PathPoint<1> r1;
+        r1.position[0] = r.position[i];
+        r1.velocity[0] = r.velocity[i];
+        r1.acceleration[0] = r.acceleration[i];
+        law1.compensation[0].balance = law.compensation[i].balance;
+        law.compensation[i].force[0] = law1.compensation[0].force[0] = -5.0;
+        machine.admit(s, law, acted);
+        axis.admit(t, law1, {{acted[i]}});
+        EXPECT_EQ(law.compensation[i].force[0], law1.compensation[0].force[0]) << i << ' ' << n;
+        // What the drive reports is taken once the axis has begun, where there is such a report.
+        const bool reports = k == 2 && n > 3 && n % 5 != 4;
+        EXPECT_EQ(law.compensation[i].force[0] != -5.0, reports) << i << ' ' << n;
+        if (n < 30) {
+          machine.command(s, law, r, x, force);
+          axis.command(t, law1, r1, {{x[i]}}, {{force[i]}});
+        } else {
+          machine.stop(s, r, x, force, 8, n > 35);
+          axis.stop(t, r1, {{x[i]}}, {{force[i]}}, 8, n > 35);
+        }
+        EXPECT_EQ(s[i].command, t[0].command) << i << ' ' << n;
+        EXPECT_EQ(s[i].offset, t[0].offset) << i << ' ' << n;
+      }
+      EXPECT_EQ(machine.present(i), axis.present(0));
+    }
+  }
+}
+
+TEST(DriveInterface, BeforeItsFirstSampleAnAxisIsToldToStayWhereItIsOrShouldBe) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const bool stops : {false, true}) {
+    for (const bool position : {false, true}) {
+      const DriveInterface<1> drives(
+          setup_with(position ? position_loop(0.5) : velocity_loop(), Observer::kNone));
+      DriveInterface<1>::State s{};
+      path::PathPoint<1> r;
+      r.position[0] = 0.25;
+      r.velocity[0] = kNan;
+      const auto tell = [&](double measured) {
+        if (stops) {
+          drives.stop(s, r, {{measured}}, {}, 50, false);
+        } else {
+          drives.command(s, {}, r, {{measured}}, {});
+        }
+        return s[0].command;
+      };
+      EXPECT_EQ(tell(kNan), position ? 0.25 : 0.0);
+      EXPECT_EQ(tell(0.3), position ? 0.3 : 0.0);
+      r.position[0] = kNan;
+      EXPECT_EQ(tell(kNan), position ? 0.3 : 0.0) << "nothing new is known";
+    }
+  }
+}
+
+TEST(DriveCommand, InOtherUnitsTheCommandsAreTheSame) {
+  // The unit of force a million times as large: a drive of newtons per metre is a soft one then, and its integral still one.
+  for (const bool position : {false, true}) {
+    for (const bool offset : {false, true}) {
+      for (const bool integral : {false, true}) {
+        DriveLoop loop = position ? position_loop(0.5) : velocity_loop();
+        loop.force_offset = offset;
+        if (!integral) loop.integral_time.reset();
+        DriveLoop soft = loop;
+        soft.gain *= 1e-7;
+        const DriveCommand si(loop, 176.0, 0.3e-3, kPeriod);
+        const DriveCommand other(soft, 176e-7, 0.3e-3, kPeriod);
+        DriveCommand::State a, b;
+        for (int k = 0; k < 60; ++k) {
+          const double force = 300.0 + 100.0 * std::sin(0.1 * k);
+          if (k < 40) {
+            si.step(a, force, 0.2 * std::cos(0.2 * k), {0.1, 0.02, 3.0});
+            other.step(b, 1e-7 * force, 0.2 * std::cos(0.2 * k), {0.1, 0.02, 3.0});
+          } else {
+            si.stop(a, 15, false);
+            other.stop(b, 15, false);
+          }
+          ASSERT_NEAR(a.command, b.command, 1e-12) << k;
+          ASSERT_NEAR(1e-7 * a.offset, b.offset, 1e-18) << k;
+        }
+      }
+    }
+  }
+}
+
+TEST(DriveCommand, AnAxisAtRestIsNotMovedByItsStart) {
+  for (const double feedforward : {0.0, 0.5, 1.0}) {
+    const DriveCommand position(position_loop(feedforward), 0.0, 0.3e-3, kPeriod);
+    DriveCommand::State s;
+    for (int k = 0; k < 3; ++k) {
+      position.step(s, 1760.0, 0.0, {0.1, 0.0, 0.0});
+      EXPECT_EQ(s.command, 0.1) << feedforward;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::drive_interface_test

@@ -5,6 +5,7 @@
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 #include <stribeck/core/test_fields.hpp>
+#include <utility>
 
 namespace stribeck::control::cascade_test {
 namespace {
@@ -196,6 +197,71 @@ TEST(Cascade, ItsIntegralStaysWithinTheForceLimit) {
   test::Disturbed<CascadeParams> loop({}, 1e-3, 150.0, 100.0);
   loop.error_after(300);
   EXPECT_LE(std::abs(loop.state.integral[0]) * 800.0 * test::kMass, 100.0 * (1.0 + 1e-12));
+}
+
+TEST(Cascade, TheIntegralStandsStillOnlyWhileItWouldDriveALimitedForceFurther) {
+  // On each of two axes by itself: the other one is not at its limit.
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    auto setup = test::masses<2>(1e-3);
+    setup.force_limit = {{100.0, 100.0}};
+    const Cascade<2> law({}, setup);
+    path::PathPoint<2> up;
+    up.acceleration[axis] = 1000.0;
+    path::PathPoint<2> down;
+    down.acceleration[axis] = -1000.0;
+    Cascade<2>::State s;
+    for (const double side : {1e-6, -1e-6}) {
+      s = {};
+      law.step(s, {}, {{side, side}});
+      const auto before = s.integral;
+      const double step = 1e-3 * -20.0 * side;              // T·K_v·e, towards the reference
+      law.step(s, side > 0.0 ? down : up, {{side, side}});  // limited, and the error asks for more of it
+      EXPECT_EQ(s.integral[axis], before[axis]);
+      EXPECT_NEAR(s.integral[1 - axis], before[1 - axis] + step, 1e-18);
+      law.step(s, side > 0.0 ? up : down, {{side, side}});  // limited, and the error asks for less
+      EXPECT_NEAR(s.integral[axis], before[axis] + step, 1e-18);
+    }
+  }
+}
+
+TEST(Cascade, DoesNotWindUpWhileSupervisionHoldsTheForceBack) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const Cascade<2> law({}, test::masses<2>(1e-3));
+    Cascade<2>::State s;
+    law.step(s, {}, {{-1e-3, -1e-3}});
+    const auto begun = s.integral;
+    s.cut[axis] = true;
+    for (int k = 0; k < 100; ++k) law.step(s, {}, {{-1e-3, -1e-3}});
+    EXPECT_EQ(s.integral[axis], begun[axis]);
+    EXPECT_NEAR(s.integral[1 - axis], 101.0 * begun[1 - axis], 1e-12);
+  }
+}
+
+TEST(Cascade, TheIntegralOfEachAxisGivesNoMoreThanItsLimit) {
+  // The references ask for braking, so that the whole force stays within the limits while the integral grows.
+  for (const bool swapped : {false, true}) {
+    CascadeParams c;
+    c.position_gain = {20.0, 20.0};
+    c.velocity_gain = {80.0, 80.0};
+    c.integral_time = {0.1, 0.3};
+    auto setup = test::masses<2>(1e-3);
+    setup.force_limit = {{100.0, 60.0}};
+    setup.compensation[1].model.mass = 20.0;
+    if (swapped) {
+      std::swap(c.integral_time[0], c.integral_time[1]);
+      std::swap(setup.force_limit[0], setup.force_limit[1]);
+      std::swap(setup.compensation[0], setup.compensation[1]);
+    }
+    const Cascade<2> law(c, setup);
+    Cascade<2>::State s;
+    path::PathPoint<2> r;
+    r.acceleration = {{-1.0, -1.0}};
+    for (int k = 0; k < 30000; ++k) law.step(s, r, {{-0.1e-3, -0.1e-3}});
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double mass = setup.compensation[i].model.mass;
+      EXPECT_NEAR(mass * 80.0 / c.integral_time[i] * s.integral[i], setup.force_limit[i], 1e-9) << i;
+    }
+  }
 }
 
 TEST(Cascade, KeepsWhatEveryLawKeeps) {

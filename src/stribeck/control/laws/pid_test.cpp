@@ -4,6 +4,7 @@
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 #include <stribeck/core/test_fields.hpp>
+#include <utility>
 
 namespace stribeck::control::pid_test {
 namespace {
@@ -165,6 +166,42 @@ TEST(Pid, WithoutGainsThereIsNoFeedback) {
     p.kp = p.ki = p.kv = {};
     return p;
   }());
+}
+
+TEST(Pid, TheIntegralOfEachAxisGivesNoMoreThanItsLimit) {
+  // The references ask for braking, so that the whole force stays within the limits while the integral grows.
+  for (const bool swapped : {false, true}) {
+    PidParams p;
+    p.ki = {27000.0, 9000.0};
+    auto setup = test::masses<2>(1e-3);
+    setup.force_limit = {{100.0, 60.0}};
+    setup.compensation[1].model.mass = 20.0;
+    if (swapped) {
+      std::swap(p.ki[0], p.ki[1]);
+      std::swap(setup.force_limit[0], setup.force_limit[1]);
+      std::swap(setup.compensation[0], setup.compensation[1]);
+    }
+    const Pid<2> law(p, setup);
+    Pid<2>::State s;
+    path::PathPoint<2> r;
+    r.acceleration = {{-1.0, -1.0}};
+    for (int k = 0; k < 30000; ++k) law.step(s, r, {{-0.1e-3, -0.1e-3}});
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double mass = setup.compensation[i].model.mass;
+      EXPECT_NEAR(mass * p.ki[i] * s.integral[i], -setup.force_limit[i], 1e-9) << i;
+    }
+  }
+}
+
+TEST(Pid, OnlyTheIntegralOfTheAxisThatIsHeldBackRests) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const Pid<2> law({}, test::masses<2>(1e-3));
+    Pid<2>::State s;
+    s.cut[axis] = true;
+    for (int k = 0; k < 10; ++k) law.step(s, {}, {{-1e-3, -1e-3}});
+    EXPECT_EQ(s.integral[axis], 0.0);
+    EXPECT_NEAR(s.integral[1 - axis], -10.0 * 1e-6, 1e-15);
+  }
 }
 
 TEST(Pid, KeepsWhatEveryLawKeeps) {
