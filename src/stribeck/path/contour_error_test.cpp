@@ -51,6 +51,16 @@ TEST(ContourError, AnOpenPathEndsAtItsEnds) {
   }
 }
 
+TEST(ContourError, IsFoundAllAlongAnOpenPath) {
+  // Farther along than the search from the reference goes.
+  const Bent line;
+  for (const double at : {0.001, 0.01, 0.02, 0.029}) {
+    for (const double start : {0.0, 0.03})
+      EXPECT_NEAR(contour_error(line, Vec<double, 2>{{at, -2e-3}}, start), -2e-3, 1e-15)
+          << at << ' ' << start;
+  }
+}
+
 TEST(ContourError, AnOpenPathIsAsLongAsCalculusSays) {
   EXPECT_NEAR(lap_length(Bent{}), 0.03, 1e-15);
   const double end = 80.0 * 0.03;  // slope of the parabola there

@@ -499,11 +499,65 @@ TEST(Spline, SmoothedAsByDenseNormalEquations) {
 
 // Errors.
 
+TEST(Spline, EveryNumberIsLookedAt) {
+  const std::vector<Vec2> good{{{0.0, 0.0}}, {{1.0, 0.0}}, {{1.0, 1.0}}, {{0.0, 1.0}}};
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    auto bad = good;
+    bad[i][i % 2] = kNan;
+    const SplineFit fit = fitted(bad, SplineOptions<2>{}).fit;
+    EXPECT_EQ(fit.status, SplineStatus::kNotFinite) << i;
+    EXPECT_EQ(fit.index, i);
+    std::vector<double> knots{0.0, 1.0, 2.0, 3.0};
+    knots[i] = i == 3 ? std::numeric_limits<double>::infinity() : kNan;
+    SplineOptions<2> o;
+    o.knots = knots;
+    const SplineFit with_knots = fitted(good, o).fit;
+    EXPECT_EQ(with_knots.status, SplineStatus::kNotFinite) << i;
+    EXPECT_EQ(with_knots.index, i);
+  }
+  // A number of the ends counts where the ends are given, and only there.
+  for (std::size_t end = 0; end < 2; ++end) {
+    for (std::size_t order = 0; order < 2; ++order) {
+      SplineOptions<2> o;
+      o.given[end][order] = {{0.0, kNan}};
+      for (const SplineEnds ends : {SplineEnds::kFromPoints, SplineEnds::kNatural}) {
+        o.ends = ends;
+        EXPECT_EQ(fitted(good, o).fit.status, SplineStatus::kOk);
+      }
+      o.ends = SplineEnds::kGiven;
+      EXPECT_EQ(fitted(good, o).fit.status, SplineStatus::kNotFinite);
+      EXPECT_EQ(fitted(good, o).fit.index, end == 0 ? 0U : 3U);
+      o.closed = true;
+      EXPECT_EQ(fitted(good, o).fit.status, SplineStatus::kOk);
+    }
+  }
+}
+
+TEST(Spline, HasTheEndsThatAreGiven) {
+  const std::vector<Vec2> points{{{0.0, 0.0}}, {{1.0, 0.2}}, {{1.7, 1.0}}, {{1.2, 2.0}}, {{0.0, 2.5}}};
+  const std::vector<double> knots{0.0, 1.0, 2.1, 3.2, 4.5};
+  SplineOptions<2> o;
+  o.ends = SplineEnds::kGiven;
+  o.knots = knots;
+  o.given = {{{Vec2{{0.7, -0.4}}, Vec2{{0.3, 0.9}}}, {Vec2{{-0.8, 0.5}}, Vec2{{-0.2, 0.6}}}}};
+  const auto f = fitted(points, o);
+  ASSERT_EQ(f.fit.status, SplineStatus::kOk);
+  for (std::size_t end = 0; end < 2; ++end) {
+    const auto d = derivatives<2>(f.path, end == 0 ? 0.0 : knots.back());
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(d[1][i], o.given[end][0][i], 1e-12);
+      EXPECT_NEAR(d[2][i], o.given[end][1][i], 1e-12);
+    }
+  }
+}
+
 TEST(Spline, SaysWhatIsWrongAndWhere) {
   const std::vector<Vec2> good{{{0.0, 0.0}}, {{1.0, 0.0}}, {{1.0, 1.0}}, {{0.0, 1.0}}};
   const auto status = [](std::vector<Vec2> p, const SplineOptions<2>& o, std::size_t index) {
     const auto f = fitted(p, o);
     EXPECT_EQ(f.fit.index, index) << describe(f.fit.status);
+    EXPECT_EQ(f.fit.deviation, 0.0) << describe(f.fit.status);
     EXPECT_TRUE(f.path.segments().empty() || f.fit.status == SplineStatus::kOk);
     return f.fit.status;
   };
@@ -537,7 +591,9 @@ TEST(Spline, SaysWhatIsWrongAndWhere) {
   std::vector<QuinticSpline<2>::Segment> segments(2);
   std::vector<SplineRow<2>> rows(5);
   QuinticSpline<2> path;
-  EXPECT_EQ(fit_spline<2>(good, {}, segments, rows, path).status, SplineStatus::kMemoryTooSmall);
+  const SplineFit small = fit_spline<2>(good, {}, segments, rows, path);
+  EXPECT_EQ(small.status, SplineStatus::kMemoryTooSmall);
+  EXPECT_EQ(small.deviation, 0.0);
   for (int i = 0; i <= static_cast<int>(SplineStatus::kMemoryTooSmall); ++i) {
     EXPECT_NE(describe(static_cast<SplineStatus>(i)), "unknown status");
   }
