@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <stribeck/friction/conventional.hpp>
+#include <stribeck/friction/static.hpp>
 
 namespace stribeck::friction::conventional_test {
 namespace {
@@ -49,6 +50,14 @@ TEST(Conventional, MirrorsUnderSignOfVelocityForOddShape) {
 
 TEST(Conventional, AStribeckPartThatIsNotGivenHasNoStaticFriction) {
   EXPECT_EQ(Stribeck<double>{}.alpha1, 0.0);
+}
+
+TEST(Conventional, WithoutPreSlidingThereIsNoFrictionAtRest) {
+  const Static law;
+  Static::State s;
+  EXPECT_EQ(law.bristle(s, 0.0, 30.0, 1.0), 0.0);
+  EXPECT_EQ(law.bristle(s, 1e-9, 30.0, 1.0), 30.0);
+  EXPECT_EQ(law.bristle(s, -1e-9, 30.0, 1.0), -30.0);
 }
 
 }  // namespace

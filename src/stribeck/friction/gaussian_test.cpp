@@ -29,6 +29,15 @@ TEST(Gaussian, AgreesWithNumPyOnTable23) {
   }
 }
 
+TEST(Gaussian, ViscousFrictionIsThatOfTheSideWhateverTheSpeed) {
+  auto map = test::table_2_3_x();
+  map.negative.eta1 = 0.8 * map.positive.eta1;
+  for (const double v : {1e-9, 0.5, 3.0}) {
+    EXPECT_EQ(map.viscous_coefficient(v), map.positive.eta1);
+    EXPECT_EQ(map.viscous_coefficient(-v), map.negative.eta1);
+  }
+}
+
 TEST(Gaussian, HoldsTheSumOutsideItsRangeWhereTheFormulaWouldInventThousandsOfNewtons) {
   const auto map = test::table_2_3_x();
   const double border = steady_force(map, -9.5e-3);

@@ -177,5 +177,23 @@ TEST(Gms, ComplainsAboutSharesThatDoNotAddUp) {
   EXPECT_EQ(said, "elements");
 }
 
+TEST(Gms, AtRestNoElementMoves) {
+  const auto law = four_elements();
+  const SteadyParts<double> p{400.0, 0.0, 0.0};
+  for (const double zero : {0.0, -0.0}) {
+    Gms<double>::State s;
+    s.force = {60.0, -90.0, 30.0, 0.0};
+    s.slipping = {1.0, 1.0, 0.0, 0.0};
+    const auto rates = law.rate(Gms<double>::Numbers(s.force), s, zero, p);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rates[i], 0.0) << i;
+    const auto before = s.force;
+    law.advance(s, zero, p.level, 0.1);
+    EXPECT_EQ(s.force, before);
+    law.settle(s, 1e-3, zero, p);
+    EXPECT_EQ(s.force, before);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(s.slipping[i], 0.0) << "a stop ends every slip";
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::friction::gms_test

@@ -94,6 +94,20 @@ TEST(ModelUncertainty, AModelIsPossibleWithAnyMassAndFrictionAboveZero) {
   }
 }
 
+TEST(ModelUncertainty, ViscousFrictionFallsToNothingAndNotBelow) {
+  AxisModel m = conventional();
+  auto& map = std::get<Conventional<double>>(m.friction.steady);
+  map.alpha2 = 0.4;  // of a small axis
+  ModelDeviation d;
+  d.viscous = {-0.1, -0.1};
+  const auto viscous = [&] {
+    return std::get<Conventional<double>>(deviated(m, d, 4e-3).friction.steady).alpha2;
+  };
+  EXPECT_DOUBLE_EQ(viscous(), 0.3);
+  d.viscous = {-0.9, -0.9};
+  EXPECT_EQ(viscous(), 0.0);
+}
+
 TEST(ModelUncertainty, NoDeviationIsNoChange) {
   for (const AxisModel& m : {conventional(), gaussian()}) {
     const AxisModel same = deviated(m, {}, 4e-3);
