@@ -264,6 +264,9 @@ PerAxis reordered(const PerAxis& list) {
 Setup<kAxes> in_order(const Means& means, bool other) {
   Setup<kAxes> all = setup(means);
   for (CompensationParams& c : all.compensation) c.delay = c.model.delay = all.compensation[1].delay;
+  // One axis has a drive with a loop of its own, whose velocity is not observed.
+  all.compensation[0].model.drive_loop =
+      friction::DriveLoop{friction::DriveMode::kVelocity, 2e4, 10e-3, {}, {}, false, true};
   Setup<kAxes> turned = all;
   for (std::size_t i = 0; i < kAxes; ++i) {
     turned.compensation[i] = all.compensation[kOrder[i]];

@@ -570,6 +570,100 @@ TEST(Predictive, OnceTheLagIsMadeUpItIsAsIfThereHadBeenNone) {
   EXPECT_LT(last, 1e-10);
 }
 
+TEST(Predictive, ABrokenListLeavesNoTrace) {
+  // Any number of any point within the horizon; then it goes on as if that period had not been.
+  auto points = corner(1e-3, 0.05);
+  for (const std::size_t at : {0, 1, 30, 70}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      for (const auto member : {&path::PathPoint<2>::position, &path::PathPoint<2>::velocity,
+                                &path::PathPoint<2>::acceleration}) {
+        const Predictive<2> law({}, limited(1e-3, 25.0));
+        Predictive<2>::State s, clean;
+        const Vec2 x{{1.001e-3, 0.0}};
+        const Vec2 f = law.step(s, points, x);
+        law.step(clean, points, x);
+        auto broken = points;
+        (broken[at].*member)[axis] = std::nan("");
+        EXPECT_EQ(law.step(s, broken, x), f) << at;
+        EXPECT_EQ(s.status.count(Status::kNotFinite), 1U) << at;
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(law.step(s, points, x), law.step(clean, points, x)) << at;
+      }
+    }
+  }
+}
+
+TEST(Predictive, WithUnlikeDelaysEachAxisIsTheAxisAlone) {
+  // Constant acceleration, which a single point foretells exactly; the first axis has the shorter delay, or the longer one.
+  for (const bool swapped : {false, true}) {
+    auto setup = test::masses<2>(1e-3);
+    setup.compensation[swapped ? 0 : 1].delay = 2.3e-3;
+    setup.compensation[swapped ? 1 : 0].delay = 0.4e-3;
+    setup.compensation[1].model.mass = 20.0;
+    const Predictive<2> both({}, setup);
+    Predictive<2>::State s;
+    std::array<Predictive<1>::State, 2> alone;
+    path::PathPoint<2> r;
+    r.velocity = {{0.02, -0.03}};
+    r.acceleration = {{0.3, 0.7}};
+    for (int k = 0; k < 60; ++k) {
+      const Vec2 x = r.position + Vec2{{1e-6 * (k % 7), -2e-6 * (k % 5)}};
+      const Vec2 force = both.step(s, r, x);
+      for (std::size_t i = 0; i < 2; ++i) {
+        auto one = test::masses<1>(1e-3);
+        one.compensation[0] = setup.compensation[i];
+        path::PathPoint<1> r1;
+        r1.position[0] = r.position[i];
+        r1.velocity[0] = r.velocity[i];
+        r1.acceleration[0] = r.acceleration[i];
+        EXPECT_NEAR(Predictive<1>({}, one).step(alone[i], r1, {{x[i]}})[0], force[i], 1e-6) << k << ' ' << i;
+      }
+      r.position = r.position + 1e-3 * (r.velocity + 0.5e-3 * r.acceleration);
+      r.velocity = r.velocity + 1e-3 * r.acceleration;
+    }
+  }
+}
+
+/// The longest lag on a stretch that needs this speed [m/s] and force [N] of one axis; the other one stands.
+double lag_for(std::size_t axis, double speed, double force, const PredictiveParams& p,
+               const Setup<2>& setup) {
+  const Predictive<2> law(p, setup);
+  Predictive<2>::State s;
+  Points points(60);
+  path::PathPoint<2> r;
+  r.velocity[axis] = speed;
+  r.acceleration[axis] = force / test::kMass;
+  for (auto& point : points) {
+    point = r;
+    r.position = r.position + setup.period * (r.velocity + (0.5 * setup.period) * r.acceleration);
+    r.velocity = r.velocity + setup.period * r.acceleration;
+  }
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 20; ++k) {
+    law.step(s, std::span(points).subspan(k), points[k].position);
+    longest = std::max(longest, s.lag);
+  }
+  return longest;
+}
+
+TEST(Predictive, TheProgrammeDoesNotUseWhatIsKeptForFeedback) {
+  // A tenth of the force and a fiftieth of the speed. Each axis has limits of its own, and is asked by itself.
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    PredictiveParams p;
+    p.horizon = 5e-3;
+    auto setup = limited(1e-3, 100.0);
+    setup.force_limit[axis] = 25.0;
+    EXPECT_EQ(lag_for(axis, 0.01, 0.85 * 25.0, p, setup), 0.0);
+    EXPECT_GT(lag_for(axis, 0.01, 0.95 * 25.0, p, setup), 0.0);
+    EXPECT_EQ(lag_for(1 - axis, 0.01, 0.95 * 25.0, p, setup), 0.0);
+    p.speed_limit = {1.0, 1.0};
+    p.speed_limit[axis] = 15e-3;
+    EXPECT_EQ(lag_for(axis, 0.97 * 15e-3, 0.0, p, setup), 0.0);
+    EXPECT_GT(lag_for(axis, 0.99 * 15e-3, 0.0, p, setup), 0.0);
+    EXPECT_GT(lag_for(axis, -0.99 * 15e-3, 0.0, p, setup), 0.0);
+    EXPECT_EQ(lag_for(1 - axis, 0.99 * 15e-3, 0.0, p, setup), 0.0);
+  }
+}
+
 TEST(Predictive, AnEmptyOrBrokenListIsAnsweredWithTheLastForces) {
   const Predictive<2> law({}, limited(1e-3, 25.0));
   Predictive<2>::State s;

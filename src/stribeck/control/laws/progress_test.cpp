@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stribeck/control/laws/progress.hpp>
 
 namespace stribeck::control::progress_test {
@@ -30,6 +31,30 @@ TEST(Progress, AnAxisThatTheProgressDoesNotMoveLimitsTheRate) {
     w.stage[0].low[0] = -5.0;
     progress.reach(w, 1, 1.0);
     EXPECT_NEAR(w.greatest[0], 2.0 / 8.0, 1e-12) << sign;
+  }
+}
+
+TEST(Progress, AStandingAxisLimitsTheRateFromAnyRate) {
+  // Faster than programmed as well, and each axis by its own bounds: the rate is √(bound/c).
+  const Two progress(kPeriod);
+  for (std::size_t stands = 0; stands < 2; ++stands) {
+    for (const double sign : {1.0, -1.0}) {
+      for (const double most : {0.5, 1.0, 4.0}) {
+        Two::Work w;
+        Two::Stage& s = w.stage[0];
+        s.d[1 - stands] = 0.1;
+        s.low[1 - stands] = -9.0;
+        s.high[1 - stands] = 7.0;
+        s.c[stands] = sign * 4.0;
+        s.d[stands] = -kPeriod * s.c[stands];
+        s.low[stands] = -6.0;
+        s.high[stands] = 8.0;
+        s.most = most;
+        progress.reach(w, 1, most);
+        EXPECT_NEAR(w.greatest[0], std::min(most, sign > 0.0 ? 8.0 / 4.0 : 6.0 / 4.0), 1e-9)
+            << sign << ' ' << most;
+      }
+    }
   }
 }
 
