@@ -513,6 +513,27 @@ TEST(EncoderCheck, MissedPeriodsAreNotWild) {
   EXPECT_EQ(m.step(s, l, m.read()), m.read());
 }
 
+TEST(EncoderCheck, OverMissedPeriodsAnAxisMayAccelerateAllTheTime) {
+  // It leaves at rest with 0.24 of the 0.27 m/s² that it can do, unseen for n periods: a·(nT)²/2 away from where it stood.
+  const SupervisionLimits l = limits();
+  for (const int periods : {1, 3, 6}) {
+    for (const double side : {1.0, -1.0}) {
+      EncoderCheck::State s;
+      for (int k = 0; k < 50; ++k) EncoderCheck::step(s, l, 0.0, 0.0, 0.0, 0.0);
+      const double t = 1e-3 * periods;
+      const double x = side * 0.5 * 0.24 * t * t;
+      EXPECT_EQ(EncoderCheck::step(s, l, x, 0.0, 0.0, 0.0, periods), x) << periods;
+      EXPECT_FALSE(EncoderCheck::bridges(s)) << periods;
+      // Three times as far as it can get is wild.
+      EncoderCheck::State wild;
+      for (int k = 0; k < 50; ++k) EncoderCheck::step(wild, l, 0.0, 0.0, 0.0, 0.0);
+      const double far = side * (1.1e-6 + 1.1 * 0.27 * t * t);
+      EXPECT_EQ(EncoderCheck::step(wild, l, far, 0.0, 0.0, 0.0, periods), 0.0) << periods;
+      EXPECT_TRUE(EncoderCheck::bridges(wild)) << periods;
+    }
+  }
+}
+
 TEST(EncoderCheck, AnAxisThatStandsForMonthsIsStillJudged) {
   // 25 days at 1 kHz are more samples than an int counts.
   const SupervisionLimits l = limits();

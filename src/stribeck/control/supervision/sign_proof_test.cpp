@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stribeck/control/supervision/sign_proof.hpp>
 
 namespace stribeck::control::sign_proof_test {
@@ -93,6 +94,18 @@ TEST(SignProof, AForceThatFrictionHoldsProvesNothing) {
   // Nor does motion under a force that is too small to be a push.
   SignProof::State s;
   for (int k = 0; k < 1000; ++k) SignProof::step(s, l, 1e-6 * k, 1e-3, 5.0);
+  EXPECT_FALSE(s.proven);
+}
+
+TEST(SignProof, APushOfMonthsIsCountedWithoutOverflow) {
+  const SupervisionLimits l = limits();
+  SignProof::State s;
+  for (int k = 0; k < 10; ++k) SignProof::step(s, l, 0.0, 0.0, 100.0);
+  s.pushed = std::numeric_limits<int>::max();
+  for (int k = 0; k < 10; ++k) {
+    SignProof::step(s, l, 0.0, 0.0, 100.0);
+    ASSERT_GT(s.pushed, 0);
+  }
   EXPECT_FALSE(s.proven);
 }
 

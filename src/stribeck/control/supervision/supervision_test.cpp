@@ -475,6 +475,12 @@ TEST(Supervisor, WhichAxisIsTheFirstDoesNotMatter) {
           ASSERT_EQ(a.law.bridged[i], b.law.bridged[1 - i]) << k;
           ASSERT_EQ(a.law.doubtful[i], b.law.doubtful[1 - i]) << k;
           ASSERT_EQ(a.law.cut[i], b.law.cut[1 - i]) << k;
+          if (a.watch.fault == Fault::kNone) {
+            ASSERT_NEAR(a.law.force[i], b.law.force[1 - i], 1e-9) << k;
+            ASSERT_NEAR(a.watch.axes[i].encoder.pushed[0], b.watch.axes[1 - i].encoder.pushed[0], 1e-9) << k;
+          }
+          ASSERT_EQ(a.watch.axes[i].motion.still_periods, b.watch.axes[1 - i].motion.still_periods) << k;
+          ASSERT_EQ(a.watch.axes[i].motion.anchor, b.watch.axes[1 - i].motion.anchor) << k;
           ASSERT_EQ(a.watch.axes[i].proof.proven, b.watch.axes[1 - i].proof.proven) << k;
         }
       }
@@ -486,10 +492,56 @@ TEST(Supervisor, WhichAxisIsTheFirstDoesNotMatter) {
       }
       one->watched.reset(one->state);
       other->watched.reset(other->state);
-      for (std::size_t i = 0; i < FrictionRls::kCount; ++i)
-        EXPECT_NEAR(one->state.law.compensation[0].adaptation.theta[i],
-                    other->state.law.compensation[1].adaptation.theta[i], 1e-9);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto& a = one->state.law.compensation[k].adaptation;
+        const auto& b = other->state.law.compensation[1 - k].adaptation;
+        EXPECT_EQ(a.recalled, b.recalled);
+        for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_NEAR(a.theta[i], b.theta[i], 1e-9);
+      }
     }
+  }
+}
+
+TEST(Supervisor, ItIsSafeOnceTheForcesStayWhatTheyAre) {
+  // At places of the circle where one axis or both move fast: one stops by itself before the other.
+  for (const int periods : {2000, 2800, 3640, 5000}) {
+    Loop run;
+    run.go(periods);
+    EXPECT_FALSE(Supervisor<2>::safe(run.state->watch)) << "it runs";
+    run.added = kNan;
+    bool was_safe = false;
+    for (int k = 0; k < 80; ++k) {
+      const V force = run.step();
+      const bool safe = Supervisor<2>::safe(run.state->watch);
+      EXPECT_TRUE(safe || !was_safe);
+      if (safe) {
+        EXPECT_EQ(force[0], 0.0) << periods << ' ' << k;
+        EXPECT_EQ(force[1], 30.0) << periods << ' ' << k;
+      }
+      was_safe = safe;
+    }
+    EXPECT_TRUE(was_safe);
+  }
+}
+
+TEST(Supervisor, AnEncoderThatNeverSaidAnythingIsNoReasonToBrake) {
+  Loop run;
+  run.added = kNan;
+  double most = 0.0;
+  for (int k = 0; k < 80; ++k) most = std::max(most, std::abs(run.step()[0]));
+  EXPECT_EQ(run.fault(), Fault::kEncoderLost);
+  // What the law itself asked for in the first periods of the run-in, and no force against a motion that nobody saw.
+  EXPECT_LT(most, 40.0);
+}
+
+TEST(Supervisor, ALateStepMayTakeAsLongAsSamplesAreBridged) {
+  // Ten periods, rounded to whole ones.
+  for (const double periods : {9.6, 10.4, 10.6}) {
+    Loop run;
+    run.go(100);
+    run.t += (std::round(periods) - 1.0) * kPeriod;
+    run.step(periods * kPeriod);
+    EXPECT_EQ(run.fault(), periods < 10.5 ? Fault::kNone : Fault::kLate) << periods;
   }
 }
 
