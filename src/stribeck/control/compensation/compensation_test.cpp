@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <set>
 #include <stribeck/control/compensation/test_followed.hpp>
+#include <stribeck/core/test_fields.hpp>
+#include <string>
 
 namespace stribeck::control::compensation_test {
 namespace {
@@ -172,6 +176,117 @@ TEST(DynamicCompensation, WhatAStepOfACoarseEncoderMakesIsNoOscillation) {
     }
     EXPECT_EQ(s.guard.found > 0, resolution < 1e-7) << resolution;
   }
+}
+
+TEST(DynamicCompensation, WhatTheModelExplainsIsNoOscillation) {
+  // Viscous friction and inertia of a motion that swings at 10 Hz without a reversal: 0.5 m/s of 1 m/s, 1000 N and more.
+  CompensationParams params = whole(100.0, 3e8);
+  params.model.mass = 50.0;
+  params.model.friction.steady = friction::Conventional<double>{100.0, 2000.0, {}};
+  params.guarded = true;
+  for (const double unexplained : {0.0, 300.0}) {
+    const Compensation c(params, kPeriod);
+    Compensation::State s;
+    StatusCounter status;
+    constexpr double kOmega = 2.0 * kPi * 10.0;
+    for (int k = 0; k < 400; ++k) {
+      const double t = kPeriod * k;
+      const double v = 1.0 + 0.5 * std::sin(kOmega * t);
+      const double a = 0.5 * kOmega * std::cos(kOmega * t);
+      const double x = t - 0.5 / kOmega * std::cos(kOmega * t);
+      const double added = c.step(s, x, v, a, status);
+      c.applied(s, added + 50.0 * a + unexplained * std::sin(kOmega * t), false, status);
+    }
+    EXPECT_EQ(s.guard.found > 0, unexplained > 0.0) << unexplained;
+  }
+}
+
+TEST(Compensation, AStepOfTheEncoderAtTheSecondSampleIsNoMotion) {
+  for (const double steps : {1.0, 50.0}) {
+    CompensationParams p;
+    p.model.mass = 1000.0;
+    p.observer = Observer::kDisturbance;
+    p.observer_pole = 50.0;
+    p.encoder_resolution = 1e-7;
+    const Compensation law(p, kPeriod);
+    Compensation::State s;
+    StatusCounter status;
+    const double velocity = steps * 1e-7 / kPeriod;
+    law.observe(s, 0.0, 0.0);
+    law.applied(s, law.step(s, 0.0, 0.0, 0.0, status), false, status);
+    law.observe(s, steps * 1e-7, velocity);
+    // In motion the observer begins with it; otherwise it has not yet followed the step.
+    EXPECT_EQ(s.disturbance.velocity == velocity, steps > 2.0) << steps;
+    EXPECT_EQ(s.estimate == 0.0, steps > 2.0) << steps;
+  }
+}
+
+TEST(DynamicCompensation, OnlyAnObserverOfDisturbancesHandsOverToTheBristle) {
+  for (const Observer observer :
+       {Observer::kNone, Observer::kAdaptive, Observer::kDisturbance, Observer::kKalman}) {
+    CompensationParams params = whole(1000.0, 3e8);
+    params.observer = observer;
+    const Compensation c(params, kPeriod);
+    Compensation::State s;
+    StatusCounter status;
+    c.applied(s, c.step(s, 0.0, 0.0, 0.0, status), false, status);
+    s.estimate = 600.0;
+    c.step(s, 0.0, 0.0, 0.0, status);
+    EXPECT_EQ(s.friction != 0.0, observer == Observer::kDisturbance || observer == Observer::kKalman);
+  }
+}
+
+TEST(CompensationSettings, SaysWhichSettingsHaveAnEffect) {
+  using Keys = std::set<std::string>;
+  const auto unused = [](Observer observer, bool density, Feedforward feedforward) {
+    CompensationSettings<double> s;
+    s.observer = observer;
+    s.feedforward = feedforward;
+    if (density) s.disturbance_density = 1.0;
+    return stribeck::test::without_effect(s);
+  };
+  const std::string pole = "observer_pole", density = "disturbance_density", gain = "adaptive_gain";
+  EXPECT_EQ(unused(Observer::kNone, false, Feedforward::kNone), (Keys{pole, density, gain, "reversal"}));
+  EXPECT_EQ(unused(Observer::kDisturbance, false, Feedforward::kSteady), (Keys{density, gain, "reversal"}));
+  EXPECT_EQ(unused(Observer::kDisturbance, true, Feedforward::kReversal), (Keys{density, gain}));
+  EXPECT_EQ(unused(Observer::kKalman, false, Feedforward::kDynamic), (Keys{gain, "reversal"}));
+  EXPECT_EQ(unused(Observer::kKalman, true, Feedforward::kReversal), (Keys{pole, gain}));
+  EXPECT_EQ(unused(Observer::kAdaptive, true, Feedforward::kReversal), (Keys{pole, density}));
+}
+
+TEST(CompensationSettings, AdaptationNeedsAFeedForwardThatLooksAhead) {
+  using Keys = std::set<std::string>;
+  for (const Feedforward f :
+       {Feedforward::kNone, Feedforward::kSteady, Feedforward::kDynamic, Feedforward::kReversal}) {
+    CompensationSettings<double> s;
+    s.feedforward = f;
+    EXPECT_EQ(stribeck::test::complaints(s), Keys{});
+    s.adaptation.enabled = true;
+    const bool ahead = f == Feedforward::kDynamic || f == Feedforward::kReversal;
+    EXPECT_EQ(stribeck::test::complaints(s), ahead ? Keys{} : Keys{"adaptation"});
+  }
+  EXPECT_TRUE(rate_is_known(ErrorRate::kLate, Observer::kNone));
+  EXPECT_TRUE(rate_is_known(ErrorRate::kObserved, Observer::kKalman));
+  EXPECT_FALSE(rate_is_known(ErrorRate::kObserved, Observer::kDisturbance));
+}
+
+TEST(ReversalParams, SaysWhatIsWrongWithABuildUp) {
+  using Keys = std::set<std::string>;
+  const auto of = [](std::initializer_list<BuildUpPoint> points) {
+    ReversalParams p;
+    for (const BuildUpPoint& point : points) p.build_up.push_back(point);
+    return stribeck::test::complaints(p);
+  };
+  EXPECT_EQ(of({}), Keys{});
+  EXPECT_EQ(of({{0.0, 0.4}, {20e-6, 1.0}}), Keys{});
+  EXPECT_EQ(of({{20e-6, 0.4}, {20e-6, 1.0}}), Keys{"build_up"});
+  EXPECT_EQ(of({{20e-6, 0.4}, {10e-6, 1.0}}), Keys{"build_up"});
+  EXPECT_EQ(of({{10e-6, 0.4}, {20e-6, 0.9}}), Keys{"build_up"});
+  ReversalParams both;
+  both.distance = 3e-6;
+  EXPECT_EQ(stribeck::test::complaints(both), Keys{});
+  both.build_up.push_back({3e-6, 1.0});
+  EXPECT_EQ(stribeck::test::complaints(both), Keys{"distance"});
 }
 
 /// A model of the axis that knows its level and mass, and nothing of its pre-sliding.

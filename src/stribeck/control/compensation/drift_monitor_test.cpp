@@ -121,5 +121,20 @@ TEST(DriftMonitor, TellsFallingFrictionFromAnEstimateOnItsWay) {
   EXPECT_NE(after_a_fall(0.1, -0.1, 0.04, 0.0).verdict, DriftVerdict::kWarmingUp);
 }
 
+TEST(DriftMonitor, TheTrendOfALevelThatFallsSteadilyIsItsSlope) {
+  // Both averages follow a ramp with their time constants.
+  using A = FrictionRls;
+  for (const double slope : {-1e-4, 2e-4}) {
+    DriftMonitor::State s;
+    A::State a;
+    a.informed = true;
+    for (double t = 0.0; t < 900.0; t += 0.02) {
+      a.theta[A::kPositive] = a.theta[A::kNegative] = slope * t;
+      DriftMonitor::step(s, a, true, 0.02);
+    }
+    EXPECT_NEAR(DriftMonitor::report(s, a, 1e-3).trend, slope, 0.01 * std::abs(slope));
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::drift_monitor_test

@@ -118,6 +118,48 @@ TEST(FrictionRls, AStiffnessIsUsedByTheNumberOfItsReversals) {
   EXPECT_EQ(s.reversals, 0.0);
 }
 
+TEST(FrictionRls, TheFirstMotionIsNoReversalAndOneAfterARestIs) {
+  for (const double side : {1.0, -1.0}) {
+    const FrictionRls law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0, kPeriod);
+    FrictionRls::State s;
+    const auto go = [&](double v, int periods) {
+      for (int k = 0; k < periods; ++k)
+        law.step(s, 1000.0 * sign(v), 0.0, s.position + kPeriod * v, v, 0.0, true);
+    };
+    go(0.0, 5);
+    go(side * 4e-3, 50);
+    EXPECT_EQ(s.reversals, 0.0);
+    EXPECT_FALSE(s.turned);
+    go(0.0, 20);
+    go(side * 4e-3, 20);
+    EXPECT_EQ(s.reversals, 0.0) << "on in the same direction";
+    go(0.0, 20);
+    go(-side * 4e-3, 20);
+    EXPECT_EQ(s.reversals, 1.0);
+    EXPECT_TRUE(s.turned);
+  }
+}
+
+TEST(FrictionRls, WithoutPreSlidingItLearnsNoStiffness) {
+  auto params = adapting(1000.0, 3e8);
+  params.model.friction.dynamics = friction::Static{};
+  const FrictionRls law(params.adaptation, params.model, 1e-9, 0.0, kPeriod);
+  FrictionRls::State s;
+  law.forget(s);
+  EXPECT_EQ(s.deviation[FrictionRls::kStiffness], 0.0);
+  EXPECT_GT(s.deviation[FrictionRls::kPositive], 0.0);
+}
+
+TEST(FrictionRls, HalfIsHalfOfEach) {
+  const FrictionRls law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0, kPeriod);
+  FrictionRls::State s;
+  for (std::size_t i = 0; i < FrictionRls::kCount; ++i) s.theta[i] = 0.1 + 0.01 * static_cast<double>(i);
+  const auto before = s.theta;
+  law.halve(s);
+  law.halve(s);
+  for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_DOUBLE_EQ(4.0 * s.theta[i], before[i]);
+}
+
 TEST(FrictionRls, IsFrozenAtRestAndStaysWithinBounds) {
   const FrictionRls law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0, kPeriod);
   FrictionRls::State s;

@@ -1,6 +1,9 @@
 // Lost motion as a shaped move of the motor's set-point.
 
+#include <set>
 #include <stribeck/control/compensation/lost_motion_move.hpp>
+#include <stribeck/core/test_fields.hpp>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -222,6 +225,82 @@ TEST(LostMotionMove, RestAndBadNumbersChangeNothing) {
 TEST(LostMotionMove, NothingIsLostAndNothingMoves) {
   const LostMotionMove move({}, axis_law(), kAxis, kPeriod);
   for (const auto& o : run(move, 4.0, sine)) EXPECT_EQ(o.position, 0.0);
+}
+
+TEST(LostMotionMove, IsTheSameInTheMirror) {
+  // Also a first way that is shorter than the move, and the first period.
+  LostMotionParams p = worn();
+  p.table_mass = 300.0;
+  CompensationParams law = axis_law();
+  law.feedforward = Feedforward::kSteady;
+  const LostMotionMove move(p, law, kAxis, kPeriod);
+  for (const double begin : {-1.6, -0.02, 0.01}) {
+    const auto at = [&](double t, double side) {
+      const auto r = sine(t < 0.05 ? begin - 0.3 * t : begin + t);
+      return std::array<double, 3>{side * r[0], side * r[1], side * r[2]};
+    };
+    const auto one = run(move, 4.0, [&](double t) { return at(t, 1.0); });
+    const auto other = run(move, 4.0, [&](double t) { return at(t, -1.0); });
+    for (std::size_t k = 0; k < one.size(); ++k) {
+      ASSERT_EQ(one[k].position, -other[k].position) << begin << ' ' << k;
+      ASSERT_EQ(one[k].velocity, -other[k].velocity) << begin << ' ' << k;
+      ASSERT_EQ(one[k].acceleration, -other[k].acceleration) << begin << ' ' << k;
+      ASSERT_EQ(one[k].force, -other[k].force) << begin << ' ' << k;
+    }
+  }
+}
+
+TEST(LostMotionMove, BeforeTheFirstReferenceThereIsNoMove) {
+  const LostMotionMove move(worn(), axis_law(), kAxis, kPeriod);
+  const auto state = std::make_unique<LostMotionMove::State>();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LostMotionMove::Output out =
+        move.step(*state, i == 0 ? nan : 0.0, i == 1 ? nan : 0.0, i == 2 ? nan : 0.0);
+    EXPECT_EQ(out.position, 0.0);
+    EXPECT_EQ(out.velocity, 0.0);
+    EXPECT_EQ(out.acceleration, 0.0);
+    EXPECT_EQ(out.force, 0.0);
+  }
+  // At rest there is none either, for as long as it lasts.
+  for (const auto& out : run(move, 0.3, [](double) { return std::array{0.1, 0.0, 0.0}; })) {
+    EXPECT_EQ(out.position, 0.0);
+    EXPECT_EQ(out.force, 0.0);
+  }
+}
+
+TEST(LostMotionMove, WithinWideBoundsItTakesThreePeriods) {
+  // The boxes are at least one, one and two periods long.
+  const LostMotionBoxes n = lost_motion_boxes(1e-6, {1e3, 1e6, 1e12, 0.0, 0.0}, kPeriod, 0.0);
+  EXPECT_EQ(n.third, 1.0);
+  EXPECT_EQ(n.second, 1.0);
+  EXPECT_EQ(n.first, 2.0);
+}
+
+TEST(LostMotionMove, TheLargestMoveIsThatOfTheEndWithTheWidestPlay) {
+  LostMotionParams p;
+  p.backlash = 10e-6;
+  EXPECT_EQ(LostMotionMove::lost(p, {}), 10e-6);
+  for (const double slope : {20e-6, -20e-6}) {
+    p.backlash_slope = slope;
+    EXPECT_DOUBLE_EQ(LostMotionMove::lost(p, {0.0, 0.0, 0.0, -0.2, 0.2}), 14e-6);
+    EXPECT_DOUBLE_EQ(LostMotionMove::lost(p, {0.0, 0.0, 0.0, -0.2, 0.1}), slope < 0.0 ? 14e-6 : 12e-6);
+    EXPECT_EQ(LostMotionMove::lost(p, {}), 10e-6) << "an axis without travel";
+  }
+}
+
+TEST(LostMotionParams, StiffnessAndFrictionOfTheTableGoTogether) {
+  using Keys = std::set<std::string>;
+  LostMotionParams p;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{});
+  p.table_friction = 210.0;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{"stiffness"});
+  p.stiffness = 30e6;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{});
+  p.table_friction = 0.0;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{"table_friction"});
+  p.table_friction = 0.5;
+  EXPECT_EQ(stribeck::test::complaints(p), Keys{}) << "a small table";
 }
 
 }  // namespace

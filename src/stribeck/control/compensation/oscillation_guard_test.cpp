@@ -44,5 +44,16 @@ TEST(OscillationGuard, HalvesTrustAndKeepsItDown) {
   EXPECT_EQ(s.trust, 0.0);
 }
 
+TEST(OscillationGuard, TheFirstMotionIsNoReversalInEitherDirection) {
+  // An axis at rest swings, and then begins to move: the swings go on counting.
+  for (const double direction : {1.0, -1.0}) {
+    const OscillationGuard guard(100.0, 1e-3);
+    OscillationGuard::State s;
+    for (int k = 0; k < 600; ++k)
+      guard.step(s, 100.0 * std::sin(2.0 * kPi * 10.0 * k * 1e-3), k < 300 ? 0.0 : direction * 1e-3);
+    EXPECT_EQ(s.found, 1U) << direction;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::oscillation_guard_test

@@ -220,6 +220,13 @@ TEST(CuttingForceObserver, AsksForEachOfItsSettings) {
   EXPECT_FALSE(fast.determinable());
 }
 
+TEST(CuttingForceObserver, AReferenceAtRestSaysNothingOfTheSignOfFriction) {
+  const Observer observer(params());
+  Observer::State s;
+  for (int k = 0; k < 3000; ++k) observer.step(s, 10.0 + 5.0, 0.0, 0.0, 0.25);
+  EXPECT_NEAR(observer.slow(s), 5.0, 1e-4);  // which friction holds, for all that it can tell
+}
+
 TEST(CuttingForceObserver, ALoadAndAFrictionThatAreKnownAreNoCuttingForce) {
   // An axis that stands where the load and the friction hold it, for both directions in which the reference creeps.
   for (const double creep : {1e-9, -1e-9}) {

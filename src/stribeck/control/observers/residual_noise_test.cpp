@@ -80,5 +80,11 @@ TEST(ResidualNoise, IsTheSameInOtherUnits) {
   }
 }
 
+TEST(ResidualNoise, WithoutResidualsItIsTheLeast) {
+  const ResidualNoise noise(10.0, 1e-3);
+  ResidualNoise::State s;
+  for (int k = 0; k < 3000; ++k) ASSERT_EQ(noise.step(s, 0.0, 0.0, 1e-12), 1e-12) << k;
+}
+
 }  // namespace
 }  // namespace stribeck::control::residual_noise_test
