@@ -237,5 +237,46 @@ TEST(WalkFields, FindsNamesOfEnumerationsBothWays) {
   EXPECT_FALSE(enum_value<Colour>("green"));
 }
 
+TEST(Walk, TwoObjectsAreTheSameOnlyWithEveryNumberTheSame) {
+  const double nan = std::nan("");
+  const auto equal = [](double a, double b) {
+    Observer one, other;
+    one.pole = a;
+    other.pole = b;
+    return same(Value(type_of<Observer>, &one), Value(type_of<Observer>, &other));
+  };
+  EXPECT_TRUE(equal(1.0, 1.0));
+  EXPECT_TRUE(equal(nan, nan));
+  EXPECT_FALSE(equal(1.0, nan));
+  EXPECT_FALSE(equal(nan, 1.0));
+  EXPECT_FALSE(equal(1.0, 2.0));
+}
+
+TEST(Walk, EachOfSeveralNamedObjectsHasItsNameAndEveryChoiceItsNumber) {
+  Axis axis;
+  axis.springs = {{"front", {1.0}}, {"back", {2.0}}};
+  const Value springs(type_of<decltype(axis.springs)>, &axis.springs);
+  ASSERT_EQ(springs.size(), 2U);
+  EXPECT_EQ(springs.name_at(0), "front");
+  EXPECT_EQ(springs.name_at(1), "back");
+  for (const Colour colour : {Colour::kRed, Colour::kBlue}) {
+    const Value choice(type_of<Colour>, &colour);
+    EXPECT_EQ(choice.number(), colour == Colour::kRed ? 0.0 : 1.0);
+    EXPECT_EQ(choice.word(), colour == Colour::kRed ? "red" : "blue");
+  }
+}
+
+TEST(Walk, AnOptionalOrAValueWithADefaultNeedNotBeGiven) {
+  Axis axis;
+  std::string needed;
+  for_each_member(Value(type_of<Axis>, &axis), [&](const Member& m) {
+    if (m.required()) needed += std::string(m.info.name) + ' ';
+  });
+  EXPECT_EQ(needed.find("limit"), std::string::npos);
+  EXPECT_EQ(needed.find("springs"), std::string::npos);
+  EXPECT_NE(needed.find("name "), std::string::npos);
+  EXPECT_NE(needed.find("bits "), std::string::npos);
+}
+
 }  // namespace
 }  // namespace stribeck::walk_fields_test
