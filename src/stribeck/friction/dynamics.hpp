@@ -134,7 +134,7 @@ constexpr std::optional<BuildUp> build_up_of(const std::variant<Law...>& laws) n
         if constexpr (!PreSlidingLaw<L>) {
           return {};
         } else if constexpr (requires { law.stops(); }) {
-          return BuildUp{0.0, law.stops()};
+          return BuildUp{.stops = law.stops()};
         } else {
           return BuildUp{1.0 / law.stiffness(), {}};
         }
