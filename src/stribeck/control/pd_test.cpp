@@ -114,5 +114,44 @@ TEST(Pd, CountsFrictionAskedOutsideItsRange) {
   EXPECT_EQ(state.status.first, Status::kOutsideVelocityRange);
 }
 
+TEST(Pd, AnInputThatSaysNothingAsksForNothing) {
+  const Pd controller(pd(20.0), kPeriod);
+  Pd::State state;
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(controller.step(state, Pd::Input{}), 0.0);
+}
+
+/// The axis of the tests with a force limit, where the greatest sound change of the differenced velocity in a period is known [m/s].
+struct Shaken {
+  Shaken() : law(limited(), kPeriod) {}
+  static Pd::Params limited() {
+    Pd::Params p = pd(20.0);
+    p.force_limit = 100.0;
+    p.compensation.encoder_resolution = 1e-7;
+    return p;
+  }
+  static constexpr double kMost = 4.0 * (100.0 * kPeriod / kMass + 1e-7 / kPeriod);
+  double step(double x) {
+    law.step(state, {0.0, 0.0, 0.0, x});
+    return state.change[0];
+  }
+  Pd law;
+  Pd::State state;
+};
+
+TEST(Pd, TheUsualChangeOfTheVelocityIsLearnedFromManySamplesAndNotFromOne) {
+  for (const double share : {0.2, 0.9}) {
+    Shaken axis;
+    // To and fro between two places, so that the velocity changes by as much in each period.
+    const double way = 0.5 * share * Shaken::kMost * kPeriod;
+    double change = 0.0;
+    for (int k = 0; k < 600; ++k) change = axis.step(k % 2 == 0 ? 0.0 : way);
+    EXPECT_NEAR(change, share * Shaken::kMost, 0.01 * change) << share;
+    // A sample that is a thousand times as far away.
+    const double after = axis.step(1e3 * way);
+    EXPECT_GT(after, change);
+    EXPECT_LE(after, change + 0.02 * (change + Shaken::kMost) * (1.0 + 1e-9));
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::pd_test

@@ -604,5 +604,24 @@ TEST(Reversal, ParametersAreChecked) {
   EXPECT_EQ(problem(both), "distance");
 }
 
+TEST(MotionAhead, RestsWhereNothingIsSaidOfIt) {
+  for (const double t : {0.0, 1.0, -2.0}) {
+    EXPECT_EQ(MotionAhead{}.position_at(t), 0.0);
+    EXPECT_EQ(MotionAhead{}.velocity_at(t), 0.0);
+  }
+}
+
+TEST(MotionAhead, LaterIsTheSameMotion) {
+  const MotionAhead now{0.1, 0.2, -3.0, 40.0};
+  for (const double t : {0.0, 0.3, -0.2}) {
+    for (const double on : {0.1, 0.5}) {
+      EXPECT_NEAR(now.later(t).position_at(on), now.position_at(t + on), 1e-13);
+      EXPECT_NEAR(now.later(t).velocity_at(on), now.velocity_at(t + on), 1e-13);
+    }
+    // Velocity is the rate of the position.
+    EXPECT_NEAR((now.position_at(t + 1e-5) - now.position_at(t - 1e-5)) / 2e-5, now.velocity_at(t), 1e-8);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::reversal_feedforward_test

@@ -208,6 +208,27 @@ TEST(CrossCoupled, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
   }
 }
 
+TEST(CrossCoupled, ItsBorderOfStabilityDoesNotDependOnTheUnitOfTime) {
+  // With a strong coupling, where the worst direction is between the axes.
+  const auto border = [](double second) {
+    CrossCoupledParams p;
+    p.kp = {900.0 / (second * second), 400.0 / (second * second)};
+    p.kv = {60.0 / second, 40.0 / second};
+    p.contour_kp = 3000.0 / (second * second);
+    p.contour_kv = 100.0 / second;
+    double below = 0.0;
+    double above = 1e7 / (second * second * second);
+    for (int k = 0; k < 60; ++k) {
+      p.contour_ki = 0.5 * (below + above);
+      (p.stable() ? below : above) = p.contour_ki;
+    }
+    return below * second * second * second;
+  };
+  const double si = border(1.0);
+  EXPECT_GT(si, 900.0 * 60.0);
+  for (const double second : {1e3, 1.0 / 3600.0}) EXPECT_NEAR(border(second), si, 1e-9 * si);
+}
+
 TEST(CrossCoupled, EachGainOfEachAxisCanMakeItUnstable) {
   for (const double wrong : {0.0, -1e-3, -1e3}) {
     for (const auto gain : {&CrossCoupledParams::kp, &CrossCoupledParams::kv}) {

@@ -276,6 +276,7 @@ TEST(Learning, GivesUpRatherThanMakingAMachineWorseThatIsTooFarFromItsModel) {
   for (int k = 0; k < 60; ++k) worst = std::max(worst, run.lap({}));
   EXPECT_GT(run.state.given_up, 0U);
   EXPECT_LT(run.state.share, 1.0);
+  EXPECT_LE(run.state.gain, p.learning * run.state.share);
   EXPECT_LT(worst, 4.0 * first);
   // With the defaults the gain falls and it converges.
   p = {};
@@ -454,6 +455,27 @@ TEST(Learning, AsksForNoMoreThanTheForceLimitAndDoesNotWindUp) {
     r.phi = 2e-3 * k;
     mass.move(law.step(s, r, {{mass.x}})[0] - 100.0, 1e-3);
     ASSERT_LE(std::abs(s.learned[0]), 60.0 * 1.5);  // Q overshoots a step by less than half
+  }
+}
+
+TEST(Learning, OnlyTheAxisAtItsLimitOrHeldBackRestsFromLearning) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    for (const bool cut : {false, true}) {
+      auto setup = test::masses<2>(1e-3);
+      setup.lap = 2.0 * kPi;
+      setup.force_limit = {{1e6, 1e6}};
+      if (!cut) setup.force_limit[axis] = 5.0;
+      const Learning<2> law({}, setup);
+      auto s = std::make_unique<Learning<2>::State>();
+      path::PathPoint<2> r;
+      for (int k = 0; k < 30; ++k) {
+        r.phi = 5e-3 * k;
+        s->cut[axis] = cut;
+        law.step(*s, r, Vec2{{1e-3, -1e-3}});
+      }
+      EXPECT_EQ(s->missing[axis], 0.0) << axis << cut;
+      EXPECT_NE(s->missing[1 - axis], 0.0) << axis << cut;
+    }
   }
 }
 

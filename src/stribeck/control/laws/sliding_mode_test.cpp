@@ -7,11 +7,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <limits>
 #include <random>
+#include <set>
 #include <stribeck/control/laws/contouring.hpp>
 #include <stribeck/control/laws/sliding_mode.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
+#include <stribeck/core/test_fields.hpp>
+#include <string>
 
 namespace stribeck::control::sliding_mode_test {
 namespace {
@@ -742,6 +746,61 @@ TEST(SlidingMode, LimitsItsForcesAndSaysSo) {
   SlidingMode<3>::State s;
   EXPECT_EQ(law.step(s, {}, V3{{-1.0, 0.0, 0.0}})[0], 5.0);
   EXPECT_EQ(s.status.first, Status::kOutputLimited);
+}
+
+TEST(SlidingMode, TheAdaptiveGainBeginsWithinTheBoundsOfItsDirection) {
+  for (const double gamma : {0.0, 0.5}) {
+    SlidingModeParams p;
+    p.gain = SwitchingGain::kAdaptive;
+    p.gamma = {gamma};
+    p.gamma_least = {1e-3, 5e-3};
+    p.gamma_most = {0.1, 0.03};
+    const SlidingMode<2> law(p, test::masses<2>(1e-3));
+    SlidingMode<2>::State s;
+    law.step(s, {}, Vec2{{1e-6, 2e-6}});
+    EXPECT_EQ(s.gain[0], gamma > 0.0 ? 0.1 : 1e-3);
+    EXPECT_EQ(s.gain[1], gamma > 0.0 ? 0.03 : 5e-3);
+  }
+}
+
+TEST(SlidingMode, SaysWhichSettingsHaveAnEffectAndWhichBoundsDoNotGoTogether) {
+  using Keys = std::set<std::string>;
+  const auto unused = [](Switching switching, SwitchingGain gain) {
+    SlidingModeParams p;
+    p.switching = switching;
+    p.gain = gain;
+    return stribeck::test::without_effect(p);
+  };
+  const Keys adaptive{"growth", "layer", "gamma_least", "gamma_most"};
+  const auto with = [](Keys keys, std::initializer_list<const char*> more) {
+    for (const char* key : more) keys.emplace(key);
+    return keys;
+  };
+  EXPECT_EQ(unused(Switching::kSign, SwitchingGain::kPrinted),
+            with(adaptive, {"boundary", "disturbance_rate"}));
+  for (const Switching s : {Switching::kBoundaryLayer, Switching::kTanh}) {
+    EXPECT_EQ(unused(s, SwitchingGain::kSufficient), with(adaptive, {"disturbance_rate"}));
+    EXPECT_EQ(unused(s, SwitchingGain::kAdaptive), (Keys{"mass_bound", "force_bound", "disturbance_rate"}));
+  }
+  EXPECT_EQ(unused(Switching::kSuperTwisting, SwitchingGain::kPrinted), with(adaptive, {"a", "boundary"}));
+  EXPECT_EQ(unused(Switching::kSuperTwisting, SwitchingGain::kSufficient), with(adaptive, {"boundary"}));
+  EXPECT_EQ(stribeck::test::complaints(SlidingModeParams{}), Keys{});
+  for (const std::size_t direction : {0, 2}) {
+    SlidingModeParams p;
+    p.gamma_least = {1e-3, 1e-3, 1e-3};
+    p.gamma_least[direction] = 0.2;
+    EXPECT_EQ(stribeck::test::complaints(p), Keys{"gamma_most"}) << direction;
+  }
+}
+
+TEST(SlidingMode, TheInverseOfTheLeastMassScalesWithTheMass) {
+  for (const double bound : {0.0, 20.0, 50.0, 80.0}) {
+    for (const double unit : {1e-3, 1e3})
+      EXPECT_NEAR(least_mass_inverse(50.0 * unit, bound * unit) * unit, least_mass_inverse(50.0, bound),
+                  1e-12);
+    EXPECT_GE(least_mass_inverse(50.0, bound), 1.0 / 50.0);
+  }
+  EXPECT_DOUBLE_EQ(least_mass_inverse(50.0, 20.0), 1.0 / 30.0);
 }
 
 }  // namespace
