@@ -131,6 +131,13 @@ TEST(ConeFrustum, ToolLiesOnTheConeAndItsTipOnACircle) {
   EXPECT_NEAR(steepest / 0.1, 45.0 * kDegree, 1e-6);
 }
 
+TEST(ConeFrustum, ClosesAfterItsLapAndNotBefore) {
+  const ConeFrustum c = frustum();
+  EXPECT_TRUE(c.closed());
+  EXPECT_NEAR(norm(c.point(c.period()) - c.point(0.0)), 0.0, 1e-15);
+  for (int i = 1; i < 12; ++i) EXPECT_GT(norm(c.point(c.period() * i / 12) - c.point(0.0)), 1e-3) << i;
+}
+
 TEST(ConeFrustum, WithoutConeTheTableStands) {
   ConeFrustum c = frustum();
   c.half_angle = 0.0;
