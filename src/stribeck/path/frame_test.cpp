@@ -528,5 +528,45 @@ TEST(ContourError, InSpaceIsTheDistanceAndHasNoSign) {
   }
 }
 
+TEST(FirstFrame, PointsToTheInsideHoweverGentleTheBend) {
+  // Also where the curvature is not quite across the path.
+  for (const double bend : {1e-5, 1.0, 1e5}) {
+    for (const double along : {0.0, 0.3}) {
+      const auto m = first_frame(V3{{1.0, 0.0, 0.0}}, bend * V3{{along, 0.6, -0.8}});
+      EXPECT_NEAR(norm(m[1] - V3{{0.0, 0.6, -0.8}}), 0.0, 1e-15) << bend;
+      EXPECT_NEAR(norm(m[2] - V3{{0.0, 0.8, 0.6}}), 0.0, 1e-15) << bend;
+    }
+  }
+}
+
+TEST(FirstFrame, OnAStraightPathTheFirstAxisThatIsFreeIsTheNormal) {
+  EXPECT_EQ(first_frame(V3{{0.0, 0.0, 1.0}}, V3{})[1], (V3{{1.0, 0.0, 0.0}}));
+  EXPECT_EQ(first_frame(V3{{1.0, 0.0, 0.0}}, V3{})[1], (V3{{0.0, 1.0, 0.0}}));
+  EXPECT_EQ(first_frame(V3{{0.0, 1.0, 0.0}}, V3{})[1], (V3{{1.0, 0.0, 0.0}}));
+  // A curvature along the path says nothing.
+  EXPECT_EQ(first_frame(V3{{0.0, 0.0, 1.0}}, V3{{0.0, 0.0, 5.0}})[1], (V3{{1.0, 0.0, 0.0}}));
+}
+
+TEST(Transport, AChordOfRoundingErrorsTurnsNoNormal) {
+  const V3 t{{1.0, 0.0, 0.0}};
+  const auto rt = first_frame(t, V3{{0.0, 0.6, 0.8}});
+  for (const V3& chord : {V3{}, V3{{1e-17, 1e-16, 0.0}}, V3{{-1e-17, 3e-17, 1e-16}}}) {
+    const auto m = transport(rt, V3{}, chord, t);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(norm(m[i] - rt[i]), 0.0, 1e-15) << i;
+  }
+}
+
+TEST(Transport, NormalsThatAreOffBecomeOrthonormal) {
+  // By far more than reflections leave: twice as long, and leaning.
+  const V3 t{{1.0, 0.0, 0.0}};
+  auto rt = first_frame(t, V3{{0.0, 1.0, 0.0}});
+  rt[1] = V3{{0.1, 2.0, 0.3}};
+  rt[2] = V3{{0.0, 0.2, 0.5}};
+  const auto m = transport(rt, V3{}, V3{}, t);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(dot(m[i], m[k]), i == k ? 1.0 : 0.0, 1e-15);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::path::frame_test

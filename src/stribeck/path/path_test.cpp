@@ -170,5 +170,37 @@ TEST(Curve, LapOfACircleIsItsCircumference) {
   EXPECT_NEAR(lap_length(Curve{Shape::kEight, 10e-3}), 60.97223470105e-3, 1e-14);
 }
 
+/// A parabola of this curvature at its vertex [1/m], from 10 mm before it to 20 mm beyond it: its length is known in closed form.
+struct Parabola {
+  static constexpr std::size_t kAxes = 2;
+  double curvature = 60.0;
+  [[nodiscard]] static constexpr double period() noexcept { return 0.03; }
+  [[nodiscard]] static constexpr bool closed() noexcept { return false; }
+  template <Real T>
+  [[nodiscard]] Vec<T, 2> point(const T& phi) const noexcept {
+    const T x = phi - T(0.01);
+    return {{x, (0.5 * curvature) * x * x}};
+  }
+  /// From the vertex to x [m].
+  [[nodiscard]] double length(double x) const {
+    const double u = curvature * x;
+    return (u * std::sqrt(1.0 + u * u) + std::asinh(u)) / (2.0 * curvature);
+  }
+};
+
+TEST(Reference, EachStepEndsWhereTheLawIsAlsoOnABendThatChanges) {
+  // Steps of 0.2 mm, in which the path turns by 0.7°: what is left is of the fifth power of that.
+  const Parabola c;
+  constexpr double kStep = 4e-3;
+  const SpeedLaw law{0.05, 0.1, 0.02};
+  Reference<Parabola> reference(c, law);
+  const double begin = c.length(-0.01);
+  for (int k = 0; !reference.finished(); ++k) {
+    const double travelled = c.length(reference.point().phi - 0.01) - begin;
+    EXPECT_NEAR(travelled, law.at(reference.time()).s, 3e-13) << k;
+    reference.advance(kStep);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::path::path_test
