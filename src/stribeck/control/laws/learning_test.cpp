@@ -458,6 +458,26 @@ TEST(Learning, AsksForNoMoreThanTheForceLimitAndDoesNotWindUp) {
   }
 }
 
+TEST(Learning, ACornerThatFallsBetweenTheTicksOfThePassesIsTheSameMotion) {
+  // There and back at 10 mm/s: the velocity turns within a tick, at another part of it in each pass. What was learned stays in use.
+  auto setup = test::masses<1>(1e-3);
+  setup.lap = 2.0 * kPi;
+  const Learning<1> law({}, setup);
+  auto s = std::make_unique<Learning<1>::State>();
+  for (int k = 0; k < 8000; ++k) {
+    path::PathPoint<1> r;
+    const double lap = k / 2000.37;
+    r.phi = 2.0 * kPi * lap;
+    const double part = lap - std::floor(lap);
+    r.velocity[0] = part < 0.5 ? 10e-3 : -10e-3;
+    r.position[0] = 10e-3 * 2.00037 * (part < 0.5 ? part : 1.0 - part);
+    law.step(*s, r, {{r.position[0] - 1e-6}});
+    if (k > 4200) {
+      ASSERT_EQ(s->trust, 1.0) << k;
+    }
+  }
+}
+
 TEST(Learning, OnlyTheAxisAtItsLimitOrHeldBackRestsFromLearning) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     for (const bool cut : {false, true}) {
