@@ -322,6 +322,8 @@ void expect_any_order(const Params& params, const Params& other, const Means& me
       ASSERT_NEAR(force_turned[i], force[kOrder[i]], 1e-7 * here.force_limit[kOrder[i]])
           << Params::kKind << " axis " << i << " period " << k;
   }
+  for (std::size_t i = 0; i < kAxes; ++i)
+    EXPECT_NEAR(state_turned->change[i], state->change[kOrder[i]], 1e-9) << Params::kKind;
   if constexpr (requires { state->gain + state->update; }) {
     EXPECT_NEAR(state_turned->update, state->update, 1e-7 * state->update);
     EXPECT_NEAR(state_turned->error, state->error, 1e-7 * state->error);

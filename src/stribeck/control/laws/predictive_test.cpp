@@ -645,6 +645,42 @@ double lag_for(std::size_t axis, double speed, double force, const PredictivePar
   return longest;
 }
 
+TEST(Predictive, ASlowedReferenceBrakesAndAcceleratesAsItsRateDoes) {
+  // Straight on at 20 mm/s of 15 mm/s, then at 10 mm/s, where it catches up. What supervision takes for inertia has that sign.
+  PredictiveParams p;
+  p.speed_limit = {15e-3};
+  const Predictive<2> law(p, test::masses<2>(1e-3));
+  Predictive<2>::State s;
+  Points points(500);
+  double x = 0.0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double speed = k < 100 ? 20e-3 : 10e-3;
+    points[k].position[0] = x;
+    points[k].velocity[0] = speed;
+    x += 1e-3 * speed;
+  }
+  std::array<test::Mass, 2> mass;
+  mass[0].v = 20e-3;
+  int brakes = 0;
+  int speeds_up = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double pull = s.pull;
+    const Vec2 f = law.step(s, std::span(points).subspan(k), {{mass[0].x, mass[1].x}});
+    for (std::size_t i = 0; i < 2; ++i) mass[i].move(f[i], 1e-3);
+    const double inertia = s.compensation[0].inertia_force;
+    if (pull < -1e-6) {
+      EXPECT_LT(inertia, 0.0) << k;
+      ++brakes;
+    }
+    if (pull > 1e-6) {
+      EXPECT_GT(inertia, 0.0) << k;
+      ++speeds_up;
+    }
+  }
+  EXPECT_GT(brakes, 0);
+  EXPECT_GT(speeds_up, 0);
+}
+
 TEST(Predictive, TheProgrammeDoesNotUseWhatIsKeptForFeedback) {
   // A tenth of the force and a fiftieth of the speed. Each axis has limits of its own, and is asked by itself.
   for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -441,6 +441,26 @@ TEST(EncoderCheck, AReferenceThatJumpsIsNoMotionOfTheAxis) {
   EXPECT_NEAR(EncoderCheck::step(s, l, kNan, m.r() + 1e-3, m.v(), m.a()), m.read(), 3e-7);
 }
 
+TEST(EncoderCheck, WhereTheReferenceJumpsTheAxisIsTakenToGoOn) {
+  // It moves 2 mm/s faster than the reference, whose jump comes together with a lost sample.
+  const SupervisionLimits l = limits();
+  for (const double side : {1.0, -1.0}) {
+    for (const double jump : {1e-3, -1e-3}) {
+      EncoderCheck::State s;
+      double x = 0.0;
+      double r = 0.0;
+      for (int k = 0; k < 100; ++k) {
+        EncoderCheck::step(s, l, x, r, side * 10e-3, 0.0);
+        x += side * 12e-6;
+        r += side * 10e-6;
+      }
+      EXPECT_NEAR(EncoderCheck::step(s, l, kNan, r + jump, side * 10e-3, 0.0), x, 1e-8);
+      EXPECT_NEAR(EncoderCheck::step(s, l, kNan, r + jump + side * 10e-6, side * 10e-3, 0.0),
+                  x + side * 12e-6, 1e-8);
+    }
+  }
+}
+
 TEST(EncoderCheck, TooManyInARowAreAFault) {
   const auto count = [](const SupervisionLimits& l, double sample, bool frozen) {
     EncoderCheck::State s;

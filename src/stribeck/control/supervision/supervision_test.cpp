@@ -477,6 +477,7 @@ TEST(Supervisor, WhichAxisIsTheFirstDoesNotMatter) {
           ASSERT_EQ(a.law.cut[i], b.law.cut[1 - i]) << k;
           if (a.watch.fault == Fault::kNone) {
             ASSERT_NEAR(a.law.force[i], b.law.force[1 - i], 1e-9) << k;
+            ASSERT_EQ(a.watch.axes[i].encoder.reference, b.watch.axes[1 - i].encoder.reference) << k;
             ASSERT_NEAR(a.watch.axes[i].encoder.pushed[0], b.watch.axes[1 - i].encoder.pushed[0], 1e-9) << k;
           }
           ASSERT_EQ(a.watch.axes[i].motion.still_periods, b.watch.axes[1 - i].motion.still_periods) << k;
