@@ -115,9 +115,13 @@ TEST(Pd, CountsFrictionAskedOutsideItsRange) {
 }
 
 TEST(Pd, AnInputThatSaysNothingAsksForNothing) {
-  const Pd controller(pd(20.0), kPeriod);
-  Pd::State state;
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(controller.step(state, Pd::Input{}), 0.0);
+  for (const ErrorRate rate : {ErrorRate::kDifferenceOfError, ErrorRate::kLate}) {
+    Pd::Params p = pd(20.0);
+    p.error_rate = rate;
+    const Pd controller(p, kPeriod);
+    Pd::State state;
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(controller.step(state, Pd::Input{}), 0.0);
+  }
 }
 
 /// The axis of the tests with a force limit, where the greatest sound change of the differenced velocity in a period is known [m/s].

@@ -58,6 +58,11 @@ TEST(Conventional, WithoutPreSlidingThereIsNoFrictionAtRest) {
   EXPECT_EQ(law.bristle(s, 0.0, 30.0, 1.0), 0.0);
   EXPECT_EQ(law.bristle(s, 1e-9, 30.0, 1.0), 30.0);
   EXPECT_EQ(law.bristle(s, -1e-9, 30.0, 1.0), -30.0);
+  EXPECT_EQ(law.shift(s, 10.0, 30.0), 0.0) << "nothing is deflected";
+  const SteadyParts<double> none;
+  EXPECT_EQ(none.level, 0.0);
+  EXPECT_EQ(none.viscous, 0.0);
+  EXPECT_EQ(none.additive, 0.0);
 }
 
 }  // namespace

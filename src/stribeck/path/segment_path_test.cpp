@@ -79,6 +79,19 @@ TEST(SegmentPath, ContourErrorIsTheDistanceAndPositiveToTheLeft) {
   EXPECT_NEAR(far.phi, middle, 1e-9);
 }
 
+TEST(SegmentPath, LeftIsLeftInEveryDirectionOfTravel) {
+  for (int k = 0; k < 16; ++k) {
+    const double angle = 2.0 * kPi * (k + 0.3) / 16.0;
+    const Point along{{std::cos(angle), std::sin(angle)}};
+    const Point left{{-along[1], along[0]}};
+    const Point begin{{0.2, -0.1}};
+    const std::array<Segment<2>, 1> one{line(begin, begin + 0.03 * along)};
+    const SegmentPath<2> path{one};
+    for (const double off : {2e-4, -2e-4})
+      EXPECT_NEAR(path.contour_error(begin + 0.012 * along + off * left, 0.0121), off, kSearch) << k;
+  }
+}
+
 TEST(SegmentPath, FindsTheNearestPlaceOnTheNeighboursToBothSides) {
   const SegmentPath<2> path{kHook};
   // The reference is 3 mm ahead on the arc, the axes are still beside the first line; and the other way round.

@@ -147,6 +147,15 @@ TEST(SpeedRamp, ReachesExactlyWhatTheDistancePermits) {
   EXPECT_EQ(reachable_between(0.3, 0.4, 10.0, 0.2, 2.0, 10.0), 0.4);
 }
 
+TEST(SpeedRamp, WhoIsFasterThanPermittedStaysAsFast) {
+  // The ramp is for going faster: whatever the way, and however slow the end.
+  for (const double way : {1e-6, 0.01, 10.0}) {
+    EXPECT_EQ(reachable(0.3, way, 0.2, 2.0, 10.0), 0.3) << way;
+    EXPECT_EQ(reachable_between(0.3, 0.1, way, 0.2, 2.0, 10.0), 0.3) << way;
+    EXPECT_EQ(reachable_between(0.1, 0.3, way, 0.2, 2.0, 10.0), 0.3) << way;
+  }
+}
+
 TEST(SpeedRamp, AfterAnyPartOfItsWayItHasTheSpeedOfThatPart) {
   // Against the phases, which say time, way and speed.
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, std::pair{1.0, 0.2}, std::pair{0.4, 0.5}}) {

@@ -179,5 +179,25 @@ TEST(FrictionFeedforward, BeginsDeflectedInMotion) {
   EXPECT_LT(law.step(resting, {0.0, 0.0, 4e-3, 0.0}).sum(), 100.0);
 }
 
+TEST(FrictionFeedforward, EachSetOfScalesHasItsOwnForce) {
+  friction::Model model;
+  model.steady = friction::Conventional<double>{100.0, 500.0, {}};
+  model.dynamics = friction::LuGre<double>{1e7, 0.0, {}};
+  const FrictionFeedforward law(model, 1e-3);
+  std::array<FrictionFeedforward::Bristle, 4> bristles;
+  std::array<FrictionScales, 4> scales;
+  scales[1].viscous = 2.0;
+  scales[2].positive = 1.5;
+  scales[3].negative = 1.5;
+  bool started = false;
+  std::array<FrictionFeedforward::Force, 4> f;
+  for (int k = 0; k < 300; ++k)
+    f = law.follow(bristles.data(), scales.data(), 4, started, 20e-6, 20e-3, 20e-6 * k);
+  EXPECT_NEAR(f[0].sum(), 100.0 + 10.0, 1e-9);
+  EXPECT_NEAR(f[1].sum(), 100.0 + 20.0, 1e-9);
+  EXPECT_NEAR(f[2].sum(), 150.0 + 10.0, 1e-9);
+  EXPECT_NEAR(f[3].sum(), 100.0 + 10.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace stribeck::control::friction_feedforward_test

@@ -234,7 +234,7 @@ TEST(LostMotionMove, IsTheSameInTheMirror) {
   CompensationParams law = axis_law();
   law.feedforward = Feedforward::kSteady;
   const LostMotionMove move(p, law, kAxis, kPeriod);
-  for (const double begin : {-1.6, -0.02, 0.01}) {
+  for (const double begin : {-1.6, -0.02, 0.01, 1.55}) {
     const auto at = [&](double t, double side) {
       const auto r = sine(t < 0.05 ? begin - 0.3 * t : begin + t);
       return std::array<double, 3>{side * r[0], side * r[1], side * r[2]};

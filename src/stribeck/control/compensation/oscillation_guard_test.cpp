@@ -55,5 +55,17 @@ TEST(OscillationGuard, TheFirstMotionIsNoReversalInEitherDirection) {
   }
 }
 
+TEST(OscillationGuard, AReversalEndsARunAlsoAfterARest) {
+  for (const double back : {1.0, -1.0}) {
+    const OscillationGuard guard(100.0, 1e-3);
+    OscillationGuard::State s;
+    for (int k = 0; k < 750; ++k) {
+      const double v = k < 350 ? 1e-3 : k < 400 ? 0.0 : back * 1e-3;
+      guard.step(s, 100.0 * std::sin(2.0 * kPi * 10.0 * k * 1e-3), v);
+    }
+    EXPECT_EQ(s.found, back > 0.0 ? 1U : 0U);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::control::oscillation_guard_test

@@ -341,6 +341,11 @@ TEST(LearningParams, AMachineThatIsNotDescribedEqualsItsModel) {
     ASSERT_TRUE(weak.stable(1e-3));
     weak.kv[direction] = 0.0;
     EXPECT_FALSE(weak.stable(1e-3)) << direction;
+    weak.kv[direction] = 80.0;
+    for (const double kp : {-1.0, 1e7}) {
+      weak.kp[direction] = kp;
+      EXPECT_FALSE(weak.stable(1e-3)) << direction;
+    }
   }
 }
 
@@ -475,6 +480,33 @@ TEST(Learning, ACornerThatFallsBetweenTheTicksOfThePassesIsTheSameMotion) {
     if (k > 4200) {
       ASSERT_EQ(s->trust, 1.0) << k;
     }
+  }
+}
+
+TEST(Learning, TheFirstUpdateIsTheForceThatWasMissing) {
+  Laps run({}, 2e-3, 4.0);
+  for (int k = 0; k < 2; ++k) run.lap([](double angle) { return 50.0 * std::sin(3.0 * angle); });
+  EXPECT_NEAR(run.state.first, 50.0 / std::sqrt(2.0), 1.5);
+}
+
+TEST(Learning, AQuarterOfAPassWithAnotherMotionIsANewMotion) {
+  // Passes at 10 mm/s; a part of the fourth is faster.
+  for (const double part : {0.01, 0.17, 0.4}) {
+    auto setup = test::masses<1>(1e-3);
+    setup.lap = 2.0 * kPi;
+    const Learning<1> law({}, setup);
+    auto s = std::make_unique<Learning<1>::State>();
+    std::uint32_t before = 0;
+    for (int k = 0; k < 8300; ++k) {
+      path::PathPoint<1> r;
+      const double lap = k / 2000.0;
+      r.phi = 2.0 * kPi * lap;
+      r.velocity[0] = lap > 3.3 && lap < 3.3 + part ? 13e-3 : 10e-3;
+      law.step(*s, r, {{-1e-6}});
+      if (k == 6500) before = s->passes;
+    }
+    EXPECT_GT(before, 2u);
+    EXPECT_EQ(s->passes, part < 0.25 ? before + 1 : 2u) << part;
   }
 }
 

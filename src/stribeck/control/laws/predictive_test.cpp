@@ -278,6 +278,17 @@ TEST(Predictive, KnowsWhichGainsAreStable) {
   EXPECT_FALSE(p.stable(kPeriod));
 }
 
+TEST(Predictive, WhetherItIsStableDoesNotDependOnTheUnitOfTime) {
+  for (const double second : {1.0, 1e3, 1.0 / 3600.0}) {
+    for (const double omega : {20.0, 120.0, 150.0, 190.0, 201.0}) {
+      PredictiveParams p, si;
+      p.omega = omega / second;
+      si.omega = omega;
+      EXPECT_EQ(p.stable(5e-3 * second), si.stable(5e-3)) << second << ", " << omega;
+    }
+  }
+}
+
 TEST(Predictive, AKnownDelayCostsTimeAndNothingElse) {
   constexpr double kPeriod = 1e-3;
   for (const double periods : {1.0, 1.3, 3.0}) {

@@ -790,6 +790,11 @@ TEST(SlidingMode, SaysWhichSettingsHaveAnEffectAndWhichBoundsDoNotGoTogether) {
     p.gamma_least = {1e-3, 1e-3, 1e-3};
     p.gamma_least[direction] = 0.2;
     EXPECT_EQ(stribeck::test::complaints(p), Keys{"gamma_most"}) << direction;
+    p.gamma_least[direction] = 1e-3;
+    p.gamma_most = {0.1, 0.1, 0.1};
+    EXPECT_EQ(stribeck::test::complaints(p), Keys{}) << direction;
+    p.gamma_most[direction] = 0.5e-3;
+    EXPECT_EQ(stribeck::test::complaints(p), Keys{"gamma_most"}) << direction;
   }
 }
 

@@ -490,6 +490,8 @@ TEST(Supervisor, WhichAxisIsTheFirstDoesNotMatter) {
       if (stops) {
         EXPECT_EQ(one->state.watch.axis, axis);
         EXPECT_EQ(other->state.watch.axis, 1 - axis);
+        EXPECT_EQ(one->watched.supervisor().limits(axis).force,
+                  other->watched.supervisor().limits(1 - axis).force);
       }
       one->watched.reset(one->state);
       other->watched.reset(other->state);
