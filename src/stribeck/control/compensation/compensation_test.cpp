@@ -201,6 +201,14 @@ TEST(DynamicCompensation, WhatTheModelExplainsIsNoOscillation) {
   }
 }
 
+TEST(Compensation, ADelayFitsUpToEightPeriodsOfAnyLength) {
+  for (const double period : {62.5e-6, 1e-3, 5e-3}) {
+    EXPECT_TRUE(delay_fits(0.0, period));
+    EXPECT_TRUE(delay_fits(8.0 * period, period));
+    EXPECT_FALSE(delay_fits(8.1 * period, period));
+  }
+}
+
 TEST(Compensation, AStepOfTheEncoderAtTheSecondSampleIsNoMotion) {
   for (const double steps : {1.0, 50.0}) {
     CompensationParams p;

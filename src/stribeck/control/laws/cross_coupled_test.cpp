@@ -252,6 +252,15 @@ TEST(CrossCoupled, EachGainOfEachAxisCanMakeItUnstable) {
   EXPECT_FALSE(p.stable(1e-3));
 }
 
+TEST(CrossCoupled, WithoutGainsOfTheAxesItIsNotStable) {
+  CrossCoupledParams p;
+  p.kp = {};
+  EXPECT_FALSE(p.stable());
+  p = {};
+  p.kv = {};
+  EXPECT_FALSE(p.stable());
+}
+
 TEST(CrossCoupled, ItsIntegralsStandStillWhileAnAxisIsLimited) {
   auto setup = test::masses<2>(1e-3);
   setup.force_limit = {{100.0, 1e9}};

@@ -277,6 +277,7 @@ TEST(Learning, GivesUpRatherThanMakingAMachineWorseThatIsTooFarFromItsModel) {
   EXPECT_GT(run.state.given_up, 0U);
   EXPECT_LT(run.state.share, 1.0);
   EXPECT_LE(run.state.gain, p.learning * run.state.share);
+  EXPECT_GE(run.state.share, 0.125) << "it does not give up for good";
   EXPECT_LT(worst, 4.0 * first);
   // With the defaults the gain falls and it converges.
   p = {};

@@ -58,6 +58,25 @@ TEST(Progress, AStandingAxisLimitsTheRateFromAnyRate) {
   }
 }
 
+TEST(Progress, OfTwoAxesThatStandTheTighterBoundCounts) {
+  const Two progress(kPeriod);
+  for (std::size_t tight = 0; tight < 2; ++tight) {
+    for (const double sign : {1.0, -1.0}) {
+      Two::Work w;
+      Two::Stage& s = w.stage[0];
+      for (std::size_t i = 0; i < 2; ++i) {
+        s.c[i] = sign * 4.0;
+        s.d[i] = -kPeriod * s.c[i];
+        s.high[i] = i == tight ? 1.0 : 3.0;
+        s.low[i] = i == tight ? -2.0 : -3.0;
+      }
+      s.most = 1.0;
+      progress.reach(w, 1, 1.0);
+      EXPECT_NEAR(w.greatest[0], sign > 0.0 ? 0.25 : 0.5, 1e-9) << tight << sign;
+    }
+  }
+}
+
 TEST(Progress, WhereNothingSatisfiesAllBoundsItBrakesOrKeepsItsRate) {
   const Two progress(kPeriod);
   Two::Work w;
