@@ -278,5 +278,12 @@ TEST(Walk, AnOptionalOrAValueWithADefaultNeedNotBeGiven) {
   EXPECT_NE(needed.find("bits "), std::string::npos);
 }
 
+TEST(Walk, AnArrayHasAFixedSizeAndAVectorHasNot) {
+  Axis axis;
+  EXPECT_TRUE(Value(type_of<decltype(axis.window)>, &axis.window).has_fixed_size());
+  EXPECT_FALSE(Value(type_of<decltype(axis.gains)>, &axis.gains).has_fixed_size());
+  EXPECT_FALSE(Value(type_of<decltype(axis.springs)>, &axis.springs).has_fixed_size());
+}
+
 }  // namespace
 }  // namespace stribeck::walk_fields_test
