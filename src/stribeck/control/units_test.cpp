@@ -263,7 +263,7 @@ PerAxis reordered(const PerAxis& list) {
 /// One delay for all axes: the law that plans ahead and the one that learns know only one.
 Setup<kAxes> in_order(const Means& means, bool other) {
   Setup<kAxes> all = setup(means);
-  for (CompensationParams& c : all.compensation) c.delay = c.model.delay = all.compensation[1].delay;
+  for (CompensationParams& c : all.compensation) c.model.delay = c.delay = all.compensation[1].delay;
   // One axis has a drive with a loop of its own, whose velocity is not observed.
   all.compensation[0].model.drive_loop =
       friction::DriveLoop{friction::DriveMode::kVelocity, 2e4, 10e-3, {}, {}, false, true};
