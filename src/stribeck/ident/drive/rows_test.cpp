@@ -178,12 +178,46 @@ TEST(Rows, FewStretchesAreCutIntoPieces) {
   Rows rows;
   for (std::size_t i = 0; i < 500; ++i) {
     rows.record.push_back(0), rows.at.push_back(i), rows.stretch.push_back(i < 250 ? 0 : 1);
-    rows.side.push_back(i < 250 ? 0 : 1);
+    rows.side.push_back(i < 250 ? 0 : 1), rows.bin.push_back(0);
   }
   number_blocks(rows);
   std::array<int, 5> count{};
   for (const auto b : rows.block) ++count.at(b);
   EXPECT_THAT(count, ::testing::Each(100));
+}
+
+/// Strokes to and fro, each with as many rows, of one record.
+void add_strokes(Rows& rows, int record, int strokes, std::size_t length, int bin) {
+  const int first = rows.stretch.empty() ? 0 : rows.stretch.back() + 1;
+  for (int s = 0; s < strokes; ++s) {
+    for (std::size_t k = 0; k < length; ++k) {
+      rows.record.push_back(record), rows.at.push_back(static_cast<std::size_t>(s) * length + k);
+      rows.stretch.push_back(first + s), rows.side.push_back(s % 2 == 0 ? 0 : 1),
+          rows.bin.push_back(static_cast<decltype(rows.bin)::value_type>(bin));
+    }
+  }
+}
+
+// The held-out blocks decide the model: they must be the same whatever log is given first.
+TEST(Rows, TheOrderOfTheRecordsDecidesNothing) {
+  for (const int strokes : {4, 24}) {  // pieces of strokes, and whole ones
+    Rows one, other;
+    add_strokes(one, 0, strokes, 30, 5), add_strokes(one, 1, strokes + 2, 50, 9),
+        add_strokes(one, 2, strokes, 30, 7);
+    add_strokes(other, 0, strokes, 30, 7), add_strokes(other, 1, strokes, 30, 5),
+        add_strokes(other, 2, strokes + 2, 50, 9);
+    number_blocks(one), number_blocks(other);
+    const auto blocks_of = [](const Rows& rows, int bin) {
+      std::vector<int> out;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows.bin[i] == bin) out.push_back(rows.block[i]);
+      }
+      return out;
+    };
+    for (const int bin : {5, 7, 9})
+      EXPECT_EQ(blocks_of(one, bin), blocks_of(other, bin)) << strokes << " " << bin;
+    EXPECT_NE(blocks_of(one, 5), blocks_of(one, 7)) << strokes;
+  }
 }
 
 TEST(Rows, ASampleIsAlignedAsTheWholeLogIs) {
