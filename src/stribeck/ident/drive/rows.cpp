@@ -142,17 +142,13 @@ namespace {
 
 /// Place of each record among all, by what it holds: the order in which logs are given decides nothing.
 std::vector<std::size_t> ranks_of_records(const Rows& rows) {
-  struct Key {
-    std::size_t rows = 0, bins = 0, at = 0;
-    auto operator<=>(const Key&) const = default;
-  };
-  std::vector<Key> keys;
+  std::vector<std::array<std::size_t, 3>> keys;  // rows, and sums of their bins and places
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto r = static_cast<std::size_t>(rows.record[i]);
     if (keys.size() <= r) keys.resize(r + 1);
-    ++keys[r].rows;
-    keys[r].bins += static_cast<std::size_t>(rows.bin[i]);
-    keys[r].at += rows.at[i];
+    ++keys[r][0];
+    keys[r][1] += static_cast<std::size_t>(rows.bin[i]);
+    keys[r][2] += rows.at[i];
   }
   std::vector<std::size_t> order(keys.size()), rank(keys.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
