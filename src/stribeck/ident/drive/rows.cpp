@@ -140,7 +140,8 @@ Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, i
 
 namespace {
 
-/// Place of each record among all, by what it holds: the order in which logs are given decides nothing.
+/// Place of each record among all, by what it holds: the order in which logs are given decides nothing. The longest comes first, so
+/// that its blocks are those that it has alone.
 std::vector<std::size_t> ranks_of_records(const Rows& rows) {
   std::vector<std::array<std::size_t, 3>> keys;  // rows, and sums of their bins and places
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -153,7 +154,7 @@ std::vector<std::size_t> ranks_of_records(const Rows& rows) {
   std::vector<std::size_t> order(keys.size()), rank(keys.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+                   [&](std::size_t a, std::size_t b) { return keys[a] > keys[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
   return rank;
 }
