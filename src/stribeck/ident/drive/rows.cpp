@@ -159,11 +159,60 @@ std::vector<std::size_t> ranks_of_records(const Rows& rows) {
   return rank;
 }
 
+using Sides = std::array<std::size_t, map::kSides>;
+
+/// Strokes of each direction in all records of a lower rank.
+std::vector<Sides> strokes_before(const Rows& rows, const std::vector<std::size_t>& rank) {
+  std::vector<Sides> strokes(rank.size()), before(rank.size());
+  int record = -1;
+  std::array<int, map::kSides> last{-1, -1};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows.record[i] != record) record = rows.record[i], last = {-1, -1};
+    const std::size_t s = rows.side[i];
+    if (rows.stretch[i] != last[s])
+      last[s] = rows.stretch[i], ++strokes[rank[static_cast<std::size_t>(record)]][s];
+  }
+  for (std::size_t r = 1; r < rank.size(); ++r) {
+    for (std::size_t s = 0; s < map::kSides; ++s) before[r][s] = before[r - 1][s] + strokes[r - 1][s];
+  }
+  return before;
+}
+
+bool fills_all_blocks(const Rows& rows, std::size_t side) {
+  std::vector<bool> filled(rows.blocks, false);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows.side[i] == side) filled[rows.block[i]] = true;
+  }
+  return std::find(filled.begin(), filled.end(), false) == filled.end();
+}
+
+/// `before`: rows of each direction in all records of a lower rank. `begin(rank, side)`: number of the first stroke of a record.
+template <class Begin>
+void assign_blocks(Rows& rows, const std::vector<std::size_t>& rank, const std::vector<Sides>& before,
+                   const Sides& stretches, const Sides& count, Begin&& begin) {
+  Sides ordinal{}, seen{};
+  std::array<int, map::kSides> last{-1, -1};
+  int record = -1;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t s = rows.side[i];
+    if (rows.record[i] != record) record = rows.record[i], ordinal = {}, seen = {}, last = {-1, -1};
+    if (rows.stretch[i] != last[s]) {
+      if (last[s] >= 0) ++ordinal[s];
+      last[s] = rows.stretch[i];
+    }
+    const std::size_t r = rank[static_cast<std::size_t>(record)];
+    const std::size_t piece = std::max<std::size_t>(1, count[s] / (rows.blocks * 5));
+    const std::size_t number =
+        stretches[s] >= rows.blocks ? ordinal[s] + begin(r, s) : (before[r][s] + seen[s]) / piece;
+    rows.block[i] = static_cast<std::uint8_t>(number % rows.blocks);
+    ++seen[s];
+  }
+}
+
 }  // namespace
 
 void number_blocks(Rows& rows) {
   const std::vector<std::size_t> rank = ranks_of_records(rows);
-  using Sides = std::array<std::size_t, map::kSides>;
   Sides stretches{}, count{};
   std::vector<Sides> rows_of(rank.size());  // by rank
   std::array<int, map::kSides> last{-1, -1};
@@ -180,22 +229,14 @@ void number_blocks(Rows& rows) {
   // Prime numbers, because programmes do not repeat their speeds in these rhythms.
   rows.blocks = std::min(stretches[0], stretches[1]) >= 7 ? 7 : 5;
   rows.block.resize(rows.size());
-  Sides ordinal{}, seen{};
-  last = {-1, -1};
-  int record = -1;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::size_t s = rows.side[i];
-    if (rows.record[i] != record) record = rows.record[i], ordinal = {}, seen = {}, last = {-1, -1};
-    if (rows.stretch[i] != last[s]) {
-      if (last[s] >= 0) ++ordinal[s];
-      last[s] = rows.stretch[i];
-    }
-    const std::size_t r = rank[static_cast<std::size_t>(record)];
-    const std::size_t piece = std::max<std::size_t>(1, count[s] / (rows.blocks * 5));
-    const std::size_t number =
-        stretches[s] >= rows.blocks ? ordinal[s] + r : (before[r][s] + seen[s]) / piece;
-    rows.block[i] = static_cast<std::uint8_t>(number % rows.blocks);
-    ++seen[s];
+  assign_blocks(rows, rank, before, stretches, count, [](std::size_t r, std::size_t) { return r; });
+  // With few strokes in each record, blocks stay empty so: then the strokes are counted on from record to record.
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    if (stretches[s] < rows.blocks || fills_all_blocks(rows, s)) continue;
+    const std::vector<Sides> strokes = strokes_before(rows, rank);
+    assign_blocks(rows, rank, before, stretches, count,
+                  [&](std::size_t r, std::size_t side) { return strokes[r][side]; });
+    return;
   }
 }
 

@@ -220,6 +220,18 @@ TEST(Rows, TheOrderOfTheRecordsDecidesNothing) {
   }
 }
 
+// Logs of few strokes each: every block has rows of both directions.
+TEST(Rows, FewStrokesInEachRecordFillAllBlocks) {
+  for (const int records : {2, 3, 4}) {
+    Rows rows;
+    for (int r = 0; r < records; ++r) add_strokes(rows, r, 8, 30, 5 + r);
+    number_blocks(rows);
+    std::set<std::pair<int, int>> seen;
+    for (std::size_t i = 0; i < rows.size(); ++i) seen.insert({rows.block[i], rows.side[i]});
+    EXPECT_EQ(seen.size(), 2 * rows.blocks) << records;
+  }
+}
+
 TEST(Rows, ASampleIsAlignedAsTheWholeLogIs) {
   test::SyntheticLog s = test::synthetic_log([](double x, double v, double) { return 3e3 * x + 70.0 * v; });
   Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);

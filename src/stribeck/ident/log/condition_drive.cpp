@@ -186,7 +186,8 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
     std::size_t begin = 0;
     // An axis that sticks keeps the value of its force, which says nothing of one that is cut off. A programmed force keeps it in motion too.
     const bool any_run = m.x.empty() || quiet(m.f);
-    const double play = any_run ? 0.0 : 3.0 * quantum(sample_of(m.x, 20000));
+    const std::vector<double> some = sample_of(m.x, 20000);
+    const double play = any_run ? 0.0 : 20.0 * std::max(quantum(some), position_noise(some));
     for (std::size_t k = 1; k <= m.rows(); ++k) {
       if (k < m.rows() && m.f[k] == m.f[begin]) continue;
       const std::size_t run = k - begin;

@@ -464,6 +464,21 @@ TEST(Condition, ALateStampAmongOthersIsNoMissingRow) {
   for (std::size_t k = 0; k < rows; ++k) ASSERT_NEAR(lost.records[0].x[k], whole[k], 2e-6) << k;
 }
 
+// Rows that were taken at their stamps, some of them late: moved, each would be a jump of the position (mass -0.01 of 300 kg).
+TEST(Condition, RowsTakenAtLateStampsKeepThem) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-5e-5, 5e-5);
+  const Axis axis;
+  RawLog log = logged();
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    log.x.t[k] += shake(engine) + (k % 50 == 25 ? 7e-4 : 0.0);
+    log.x.y[k] = axis.x(log.x.t[k]);
+  }
+  for (const Record& r : condition(log).records) {
+    for (std::size_t k = 0; k < r.x.size(); ++k) ASSERT_NEAR(r.x[k], axis.x(r.t[k]), 2e-6) << k;
+  }
+}
+
 // At rest a coarse position changes by single steps. Resampled, it has values between them, which are no motion.
 TEST(Condition, RestInAResampledLogIsNoFrozenLogger) {
   std::mt19937_64 engine(7);

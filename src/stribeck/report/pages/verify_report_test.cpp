@@ -188,6 +188,17 @@ TEST(VerifyReport, FrictionOfAllPartsIsWeighedByWhatTheyTell) {
   EXPECT_EQ(v.grade, Grade::kGood);
 }
 
+// One log with 40 % more and one with 40 % less are no good model.
+TEST(VerifyReport, FrictionOfPartsThatDisagreeDoesNotCancel) {
+  VerifyReportInput in = two_models(false);
+  in.parts.push_back(in.parts[0]);
+  in.parts[0].models[0].force.friction.slow = {0.4, 0.04, 0.01};
+  in.parts[1].models[0].force.friction.slow = {-0.42, 0.04, 0.01};
+  const Verdict v = verdicts(in)[0];
+  EXPECT_EQ(v.grade, Grade::kNotUsable);
+  EXPECT_DOUBLE_EQ(v.friction.share, -0.42);
+}
+
 // An error that the log explains is no verdict on the model.
 TEST(VerifyReport, LeavesUndecidedWhatTheLogCannotTell) {
   VerifyReportInput in = two_models(false);

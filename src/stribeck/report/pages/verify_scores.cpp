@@ -228,17 +228,22 @@ Grade grade_of(const Verdict& v, const GradeLimits& limits) {
   return by_force == Grade::kGood && friction_beyond(v, limits.good) ? Grade::kUsable : by_force;
 }
 
-/// Of all parts, each with the weight of its interval.
+/// Of all parts, each with the weight of its interval; where they disagree, the one that is further off for certain.
 struct PooledFriction {
   double sum = 0.0, speed = 0.0, weight = 0.0;
+  ident::replay::FrictionChange most{};
+  bool more = false, less = false;  ///< for certain, in one part at least
 
   void add(const ident::replay::FrictionChange& c) {
     if (!std::isfinite(c.share) || !(c.half_width > 0.0)) return;
     const double w = 1.0 / (c.half_width * c.half_width);
     sum += w * c.share, speed += w * c.speed, weight += w;
+    if (c.certain() > most.certain()) most = c;
+    if (c.certain() > 0.0) (c.share > 0.0 ? more : less) = true;
   }
   [[nodiscard]] ident::replay::FrictionChange change() const {
     if (!(weight > 0.0)) return {};
+    if (more && less) return most;
     return {sum / weight, std::sqrt(1.0 / weight), speed / weight};
   }
 };

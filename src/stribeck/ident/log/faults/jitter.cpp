@@ -113,8 +113,8 @@ std::vector<double> numbered(const Table& m, double T) {
     if (!(t[k] - t[k - 1] > kLonger * T) || !(later(k) >= kNoneMissing)) continue;
     const std::size_t at =
         missing_before(y, t, std::max(next, k - std::min(k, kNearby)), std::min(t.size(), k + kNearby));
-    const double rows = std::max(1.0, std::round(later(std::max(at, k))));
     for (std::size_t i = k; i < at; ++i) missing[i] = now;
+    const double rows = std::max(1.0, std::round(later(std::max(at, k))));
     now += rows;
     // Where a missing row was placed some rows too late, those between must not be taken for another one.
     const std::size_t on = std::min(t.size() - 1, std::max(at, k) + kRowsAround / 2);
@@ -192,7 +192,11 @@ void mend_jittering_stamps(Table& m, Notes& notes) {
   for (std::size_t k = 1; k < m.rows(); ++k) {
     if (m.t[k] < m.t[k - 1]) return;
   }
-  if (!restamp_by_number(m, T, notes)) put_late_back(m, T);
+  if (restamp_by_number(m, T, notes) || !notes.wanted("jitter")) return;
+  // Rows that were taken at their stamps keep them, late ones too.
+  std::vector<double> number(m.rows());
+  for (std::size_t k = 0; k < number.size(); ++k) number[k] = static_cast<double>(k);
+  if (rows_are_even(m, number, T)) put_late_back(m, T);
 }
 
 }  // namespace stribeck::ident::log::parts
