@@ -27,8 +27,8 @@ struct FrictionChange {
 };
 
 struct FrictionChanges {
-  FrictionChange slow;  ///< where a tenth of the rows is slower
-  FrictionChange fast;  ///< where a tenth of the rows is faster
+  FrictionChange slow;  ///< mean of the slowest fifth of the rows
+  FrictionChange fast;  ///< mean of the fastest fifth of the rows
 };
 
 /// One value for each decimated row.

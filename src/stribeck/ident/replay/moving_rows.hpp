@@ -7,7 +7,7 @@
 ///     in the mean. Wind, a loop that hunts, and noise do this;
 ///   - its reference stands still for as long.
 ///
-/// Not modelled: an axis that sticks and slips moves. Inside ident only. Real time: no.
+/// Not modelled: stick-slip. Such an axis moves, but may be counted as standing. Inside ident only. Real time: no.
 
 #include <cstddef>
 #include <span>

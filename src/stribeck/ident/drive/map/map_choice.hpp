@@ -42,7 +42,7 @@ struct LineSpread {
   double viscous = 0.0;  ///< [N·s/m]
 };
 LineSpread spread_of_line(const MapChoice& choice, int side, const map::Grid& grid);
-/// And of the load of a symmetric map [N].
+/// The same for the load of a symmetric map [N].
 double spread_of_load(const MapChoice& choice, const std::array<map::Grid, map::kSides>& grid);
 
 }  // namespace stribeck::ident::drive

@@ -5,7 +5,7 @@
 ///   h[k] = f[k] − W f[k]                  the force that the window W takes off, at the rows in motion
 ///   mean of h and of h·sgn v over position  →  spectrum over 1/period
 ///
-/// The loop of the drive answers a ripple with its force as far as it is fast enough: the amplitude of h is the least that there is. A
+/// The loop of the drive answers a ripple with its force as far as it is fast enough: the ripple has at least the amplitude of h. A
 /// period that stands out by far tells with which low-pass the fit shows it: twice the frequency that it has at most speeds.
 ///
 /// Not modelled: a ripple beyond the bandwidth of the loop, which shows in the position alone.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>
@@ -49,6 +50,13 @@ bool rows_are_even(const Table& m, const std::vector<double>& number, double ste
   const double share = uy / uu;
   const double left = std::max(0.0, yy - share * uy) / rows;
   return share < 0.5 && 2.0 * std::sqrt(left / uu) < kCertain;
+}
+
+/// The same for rows of which none is missing.
+bool rows_are_even(const Table& m, double step) {
+  std::vector<double> number(m.rows());
+  std::iota(number.begin(), number.end(), 0.0);
+  return rows_are_even(m, number, step);
 }
 
 /// Stamps that a computer gives to rows when they arrive may come in the wrong order by a part of a step. Where all of them jitter, such a
@@ -179,9 +187,7 @@ bool taken_evenly(const Table& part) {
   constexpr double kMostOff = 1.0;  // rows: beyond it rows may be missing
   const double T = (part.t.back() - part.t.front()) / static_cast<double>(part.rows() - 1);
   if (part.rows() < kFewestRows || largest_off_line(part.t) > kMostOff * T) return false;
-  std::vector<double> number(part.rows());
-  for (std::size_t k = 0; k < number.size(); ++k) number[k] = static_cast<double>(k);
-  return rows_are_even(part, number, T);
+  return rows_are_even(part, T);
 }
 
 void mend_jittering_stamps(Table& m, Notes& notes) {
@@ -194,9 +200,7 @@ void mend_jittering_stamps(Table& m, Notes& notes) {
   }
   if (restamp_by_number(m, T, notes) || !notes.wanted("jitter")) return;
   // Rows that were taken at their stamps keep them, late ones too.
-  std::vector<double> number(m.rows());
-  for (std::size_t k = 0; k < number.size(); ++k) number[k] = static_cast<double>(k);
-  if (rows_are_even(m, number, T)) put_late_back(m, T);
+  if (rows_are_even(m, T)) put_late_back(m, T);
 }
 
 }  // namespace stribeck::ident::log::parts
