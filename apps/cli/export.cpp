@@ -54,7 +54,7 @@ void add_circle_options(CLI::App& verb, targets::ExportRequest& what) {
       ->type_name("NAME|FILE.toml");
   verb.add_option(
           "--period", what.period,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): period of the position loop; left out: 1 ms, or that of --machine")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): period of the position loop; left out: that of --machine or of the axis files, else 1 ms")
       ->type_name("TIME");
   verb.add_option(
           "--size", what.size,
@@ -103,15 +103,15 @@ void add_export(CLI::App& app, Action& action) {
       ->type_name("SPEED");
   verb->add_option(
           "--gain", o->what.gain,
-          "For controls that count in a unit of their own: the force of one unit at the axis, e.g. \"12.5 N/%\" or \"140 N/A\"; of axes with different drives \"x=12.5 N/%,y=20 N/%\"")
+          "For controls that count in a unit of their own: the force of one unit at the axis, e.g. \"12.5 N/%\" or \"140 N/A\"; of axes with different drives \"x=12.5 N/%,y=20 N/%\"; left out: from drive of the axis files")
       ->type_name("FORCE/UNIT");
   verb->add_option(
           "--lead", o->what.lead,
-          "For controls that count at the motor: travel of the axis per turn of the motor, e.g. \"10 mm\" or \"x=10 mm,y=5 mm\"")
+          "For controls that count at the motor: travel of the axis per turn of the motor, e.g. \"10 mm\" or \"x=10 mm,y=5 mm\"; left out: from drive of the axis files")
       ->type_name("LENGTH");
   verb->add_option(
           "--resolution", o->what.resolution,
-          "For pid, and for all: step of the encoder on the axis, for the deadband; left out: none is written")
+          "For pid, and for all: step of the encoder on the axis, for the deadband; left out: that of the axis files, else none is written")
       ->type_name("LENGTH");
   verb->add_option(
           "--zero", o->what.zero,

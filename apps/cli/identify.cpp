@@ -116,8 +116,9 @@ void write_page(const report::PageFolders& folders, const Identification& found,
   report::write_identify_report(folders, page);
 }
 
-void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {
-  io::write_atomically(path, axis_file_text(found, axis, STRIBECK_VERSION));
+void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis,
+                     const OfMachineFile& known = {}) {
+  io::write_atomically(path, axis_file_text(found, axis, STRIBECK_VERSION, known));
 }
 
 /// Every axis of a machine from whatever logs there are of it.
@@ -147,7 +148,7 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     if (!too_strong.empty()) warnings.insert(warnings.begin(), too_strong);
     if (!o.output.empty()) {
       io::make_directory(o.output);
-      write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
+      write_axis_file(o.output + "/" + one.axis + ".toml", found, axis, of_machine_file(machine, one.axis));
     }
     const std::vector<Wanted> open = not_yet(found, machine.axis(one.axis), machine.sample_time);
     json.push_back(to_json(found, axis.axis));

@@ -221,6 +221,32 @@ TEST(Commission, TakesTheDriveOfTheMachineFileForLogsOfTheDrive) {
   EXPECT_EQ(table.code, 0) << table.err;
 }
 
+TEST(Commission, TheAxisFileKnowsTheDriveSoThatAnExportNeedsNoOption) {
+  const Stages stages;
+  const std::string loop =
+      "motors = 2\nencoder_counts = 20000\n[axes.x.drive_loop]\nmode = \"velocity\"\ngain = \"12 N s/mm\"\n"
+      "integral_time = \"12 ms\"\n";
+  const std::string machine = stages.folder.write("real.toml", real_machine(kRealDrive + loop));
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  const Said said =
+      command({"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes"});
+  ASSERT_EQ(said.code, 0) << said.err << said.out;
+  const std::string axis = stages.folder / "axes/x.toml";
+  // 1.5 N m of each of two motors, geared 2:1 to 10 mm per turn.
+  const std::string text = text_of(axis);
+  EXPECT_THAT(text, AllOf(HasSubstr("control_period = \"2 ms\""), HasSubstr("motors = 2"),
+                          HasSubstr("encoder_resolution = \"250 nm\""), HasSubstr("mode = \"velocity\"")));
+  const Said offset = command({"export", axis, "--to", "cia402", "-o", stages.folder / "x.st"});
+  ASSERT_EQ(offset.code, 0) << offset.err;
+  EXPECT_THAT(offset.out,
+              AllOf(HasSubstr("x: 3770 N for 100 % of the rated torque, from the drive in " + axis),
+                    HasSubstr("2 motors together")));
+  EXPECT_THAT(text_of(stages.folder / "x.st"), HasSubstr("F := F / 3.769911184e+00;"));
+  ASSERT_EQ(command({"export", axis, "--to", "pid", "-o", stages.folder / "x.hal"}).code, 0);
+  EXPECT_THAT(text_of(stages.folder / "x.hal"), HasSubstr("setp pid.x.FF1 1 "));
+}
+
 TEST(Commission, SaysWhatALogOfADriveLacks) {
   const Stages stages;
   const std::string machine = stages.folder.write("real.toml", real_machine(""));

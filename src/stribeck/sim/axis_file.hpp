@@ -1,6 +1,6 @@
 #pragma once
 /// The content of an axis file: the identified model of an axis, the velocities on which it was identified and, where the control
-/// sees the motor and the table does not follow at once, the lost motion between both.
+/// sees the motor and the table does not follow at once, the lost motion between both; and what the machine file says of its drive.
 /// Real time: no.
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <optional>
 #include <stribeck/control/compensation/lost_motion_params.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/friction/drive_numbers.hpp>
 #include <stribeck/friction/uncertainty.hpp>
 #include <string>
 
@@ -19,6 +20,8 @@ struct AxisFile {
   std::optional<bool> rotary;
   friction::AxisModel model;
   std::optional<control::LostMotionParams> lost_motion{};
+  std::optional<friction::DriveNumbers> drive{};  ///< absent: not known
+  std::optional<double> control_period{};  ///< of the control that moves the axis [s]; absent: not known
   std::optional<std::array<double, 2>>
       velocity_range{};  ///< [m/s] where the map of friction does not hold it
   std::optional<friction::ModelUncertainty> uncertainty{};
@@ -34,6 +37,13 @@ struct AxisFile {
         embedded(&AxisFile::model),
         field("lost_motion", &AxisFile::lost_motion,
               "backlash and wind-up between motor and table, for a loop over the motor; left out: none")
+            .or_default(),
+        field(
+            "drive", &AxisFile::drive,
+            "what the data sheets say of the drive, from the machine file, for exports; left out: not known")
+            .or_default(),
+        field("control_period", &AxisFile::control_period, quantity("s", "ms").positive().at_most(0.1),
+              "period of the control that moves the axis, from the machine file; left out: not known")
             .or_default(),
         field("velocity_range", &AxisFile::velocity_range, quantity("m/s", "mm/s"),
               "velocities the model was identified on: lowest (< 0), highest (> 0); left out: unknown")

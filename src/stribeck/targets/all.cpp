@@ -17,13 +17,11 @@ namespace stribeck::targets {
 
 namespace {
 
-/// The options that a target needs and that were not given, as words; empty: none.
-std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
-  const bool gain = t.needs_gain(), lead = t.needs_lead();
+/// Why a target cannot be written with these options, as words; empty: it can.
+std::string lacking(const SteadyTarget& t, const ExportRequest& o) {
   if (!o.gain.empty() && !can_count(t, o))
     return t.counts == GainUnit::kBits ? "--gain of one bit, % or V" : "--gain in % or ‰";
-  if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};
-  return gain && lead ? "--gain, --lead" : gain ? "--gain" : "--lead";
+  return missing_options(t, o);
 }
 
 std::string file_in(const ExportRequest& o, std::string_view target, std::string_view extension) {
@@ -137,7 +135,7 @@ SteadyTexts steady_texts(const ExportRequest& o) {
       out.linear.emplace_back(t->name);
       continue;
     }
-    const std::string missing = missing_options(*t, o);
+    const std::string missing = lacking(*t, o);
     if (!missing.empty()) {
       out.open.push_back(fmt::format("{} ({})", t->name, missing));
       continue;

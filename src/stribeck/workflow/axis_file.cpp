@@ -84,9 +84,12 @@ std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion
   return p;
 }
 
-sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
+sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis, const OfMachineFile& known) {
   sim::AxisFile file;
   file.model = axis_file_model(found, axis);
+  file.model.drive_loop = known.drive_loop;
+  file.drive = known.drive;
+  file.control_period = known.control_period;
   if (!axis.axis.empty()) file.axis = axis.axis;
   if (axis.rotary) file.rotary = true;
   // A map by direction has its range itself.
@@ -108,9 +111,10 @@ std::string why_unreadable(const std::string& axis_file) {
   }
 }
 
-std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version) {
+std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version,
+                           const OfMachineFile& known) {
   std::string text =
-      io::write_toml(axis_file(found, axis),
+      io::write_toml(axis_file(found, axis, known),
                      fmt::format("{}{}, identified from {} by stribeck {} ({}).",
                                  axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
                                  axis.sources, version, ident::name_of(found.result.method)));

@@ -27,6 +27,7 @@
 #include <stribeck/ident/result.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
+#include <stribeck/workflow/machine/of_machine_file.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -107,14 +108,16 @@ std::string why_unreadable(const std::string& axis_file);
 
 /// The same; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
-/// With the lost motion, where it is one (lost_motion_of()).
-sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis);
+/// With the lost motion, where it is one (lost_motion_of()), and what the machine file says of the drive.
+sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis,
+                        const OfMachineFile& known = {});
 /// What is to be compensated: absent where nothing is lost or the interval of the sum contains zero. Where backlash and wind-up are
 /// not told apart, their sum stands as backlash. mass: of the axis [kg].
 std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion::LostMotion& found,
                                                         double mass);
 /// The axis file itself; `version` is that of the program.
-std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version);
+std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version,
+                           const OfMachineFile& known = {});
 
 }  // namespace stribeck::workflow
 

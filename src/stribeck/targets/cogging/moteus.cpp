@@ -166,16 +166,27 @@ std::string drift_in_words(const Axis& axis, const Terms& terms) {
   return words;
 }
 
+/// What the options leave out, from the drive in the axis file.
+Axis with_drive_of_file(Axis axis) {
+  if (!axis.drive) return axis;
+  if (axis.unit.empty() && axis.drive->force_per_ampere) {
+    axis.gain = *axis.drive->force_per_ampere;
+    axis.unit = "A";
+  }
+  if (std::isnan(axis.lead) && axis.drive->travel_per_turn) axis.lead = *axis.drive->travel_per_turn;
+  return axis;
+}
+
 /// The axis, with what the table needs of the options.
 Axis moteus_axis(const ExportRequest& o) {
   if (o.files.size() != 1)
     refuse_option("AXIS.toml",
                   fmt::format("got {}, expected one: every motor has a board of its own", o.files.size()));
-  if (o.gain.empty())
+  const Axis axis = with_drive_of_file(axes_of(o).front());
+  if (axis.unit.empty())
     refuse_option("--gain", "missing: moteus counts amperes; say the force of one, e.g. \"140 N/A\"");
-  if (o.lead.empty())
+  if (std::isnan(axis.lead))
     refuse_option("--lead", "missing: moteus counts at the motor; say the travel per turn, e.g. \"10 mm\"");
-  const Axis axis = axes_of(o).front();
   if (axis.unit != "A")
     refuse_option(
         "--gain",
@@ -203,11 +214,14 @@ Exported write_moteus(const ExportRequest& o) {
 }  // namespace
 
 std::string moteus_lacks(const ExportRequest& o) {
-  if (o.gain.empty() || o.lead.empty()) return "--gain in N/A and --lead";
-  if (o.files.size() != 1) return "a single axis file";
-  const Axis axis = axes_of(o).front();
-  if (axis.unit != "A") return "--gain in N/A";
-  return terms_of_the_turn(axis).empty() ? "a term periodic in the motor's turn" : "";
+  std::vector<Axis> axes = axes_of(o);
+  for (Axis& axis : axes) {
+    axis = with_drive_of_file(axis);
+    if (axis.unit.empty() || std::isnan(axis.lead)) return "--gain in N/A and --lead";
+  }
+  if (axes.size() != 1) return "a single axis file";
+  if (axes.front().unit != "A") return "--gain in N/A";
+  return terms_of_the_turn(axes.front()).empty() ? "a term periodic in the motor's turn" : "";
 }
 
 MoteusText moteus_text(const ExportRequest& o) {

@@ -71,8 +71,7 @@ TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
   EXPECT_EQ(written.json["targets"].back()["to"], "fanuc");
   EXPECT_LT(written.json["targets"].back()["circle"]["pulse"]["quadrant_um"],
             written.json["targets"].back()["circle"]["without"]["quadrant_um"]);
-  EXPECT_THAT(written.text,
-              HasSubstr("because an option is missing: ax8000 (--lead) and keba (--gain, --lead)."));
+  EXPECT_THAT(written.text, HasSubstr("because an option is missing: ax8000 (--lead) and keba (--lead)."));
 }
 
 // Friction that builds up over half a millimetre: a table over the speed pushes before it is there.

@@ -74,6 +74,14 @@ sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
   return loop;
 }
 
+/// The control period that all files name; absent: they do not, or differ [s].
+std::optional<double> period_of(const std::vector<sim::AxisFile>& axes) {
+  const auto first = axes.front().control_period;
+  const bool all = std::all_of(axes.begin(), axes.end(),
+                               [&](const sim::AxisFile& axis) { return axis.control_period == first; });
+  return all ? first : std::nullopt;
+}
+
 /// That of --speed; else the lowest that was identified, as far as the axes can accelerate on the circle.
 double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes,
                const std::optional<sim::Machine>& machine, double radius) {
@@ -185,6 +193,8 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   for (const std::string& file : o.files) {
     files.push_back(axis_file(file));
     t.axes.push_back(files.back().model);
+    // On the circle, the cascade of the control stands in place of the drive's own loops.
+    t.axes.back().drive_loop.reset();
   }
   if (!o.machine.empty()) {
     if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
@@ -193,8 +203,8 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
       refuse_option("--machine", "expected two axes of the machine and two axis files, for a circle");
     t.period = t.machine->sample_time;
   } else {
-    t.period = option_si("--period", o.period.empty() ? "1 ms" : o.period,
-                         quantity("s", "ms").positive().at_least(1e-5).at_most(0.1));
+    const auto period = quantity("s", "ms").positive().at_least(1e-5).at_most(0.1);
+    t.period = o.period.empty() ? period_of(files).value_or(1e-3) : option_si("--period", o.period, period);
   }
   t.loop = cascade_of(o, t.period);
   t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <tuple>
 
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/gain.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -167,6 +169,56 @@ bool can_count(const SteadyTarget& target, const ExportRequest& o) {
   const auto entries = entries_of(o.gain);
   return std::all_of(entries.begin(), entries.end(),
                      [&](const auto& entry) { return can_count(target, unit_behind(entry.second)); });
+}
+
+namespace {
+
+/// The force of one unit in which the target can count, from what an axis file says of the drive; NaN: it does not say it.
+std::pair<double, std::string> gain_of_file(const SteadyTarget& target,
+                                            const std::optional<friction::DriveNumbers>& drive) {
+  if (drive && drive->rated_force) return {*drive->rated_force / 100.0, "%"};
+  if (drive && drive->force_per_ampere && target.counts == GainUnit::kAny)
+    return {*drive->force_per_ampere, "A"};
+  return {std::numeric_limits<double>::quiet_NaN(), {}};
+}
+
+}  // namespace
+
+std::string take_from_file(const SteadyTarget& target, Axis& axis) {
+  const ident::Shown shown("m", "N", axis.rotary);
+  std::vector<std::string> taken;
+  if (target.needs_gain() && std::isnan(axis.gain)) {
+    std::tie(axis.gain, axis.unit) = gain_of_file(target, axis.drive);
+    if (!std::isnan(axis.gain)) {
+      const bool share = axis.unit == "%";
+      taken.push_back(fmt::format("{} for {}", shown.force(share ? 100.0 * axis.gain : axis.gain),
+                                  share ? "100 % of the rated torque" : "1 A"));
+    }
+  }
+  if (target.needs_lead() && std::isnan(axis.lead) && axis.drive && axis.drive->travel_per_turn) {
+    axis.lead = *axis.drive->travel_per_turn;
+    taken.push_back(fmt::format("{} per turn of the motor", shown.length(axis.lead)));
+  }
+  if (taken.empty()) return {};
+  const int motors = axis.drive->motors.value_or(1);
+  return fmt::format(
+      "{}: {}, from the drive in {}{}.\n", axis.name, report::listed(taken), axis.file,
+      motors > 1 ? fmt::format(" ({} motors together: each gets the same number)", motors) : "");
+}
+
+std::string missing_options(const SteadyTarget& target, const ExportRequest& o) {
+  bool gain = target.needs_gain() && o.gain.empty();
+  bool lead = target.needs_lead() && o.lead.empty();
+  if (!gain && !lead) return {};
+  bool every_gain = true, every_lead = true;
+  for (const std::string& file : o.files) {
+    const auto drive = workflow::read_axis_file(file).drive;
+    every_gain = every_gain && !std::isnan(gain_of_file(target, drive).first);
+    every_lead = every_lead && drive && drive->travel_per_turn;
+  }
+  gain = gain && !every_gain;
+  lead = lead && !every_lead;
+  return gain && lead ? "--gain, --lead" : gain ? "--gain" : lead ? "--lead" : "";
 }
 
 std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {

@@ -20,6 +20,12 @@ std::string word_of_common_gain(const ExportRequest& request);
 /// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque.
 std::pair<double, std::string> gain_of(const ExportRequest& request, const std::string& axis, bool rotary);
 
+/// Fills gain and lead that the target needs and the command does not give from the drive in the axis file: per cent of the rated torque
+/// where it is known, else amperes. Returns a sentence that says it; empty: nothing was taken.
+std::string take_from_file(const SteadyTarget& target, Axis& axis);
+/// The options that the target needs and neither the command nor every axis file gives, as words; empty: none.
+std::string missing_options(const SteadyTarget& target, const ExportRequest& request);
+
 /// Refuses an entry for an axis that is none of these.
 void refuse_unknown_axes(const char* option, const std::string& text, const std::vector<std::string>& names);
 

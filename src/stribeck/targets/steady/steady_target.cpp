@@ -104,13 +104,16 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
   a.fastest = a.identified = file.identified_speed().value_or(0.0);
+  a.drive = file.drive;
+  a.control_period = file.control_period;
   if (file.uncertainty) a.told_from = file.uncertainty->told_from;
   if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
   std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary);
   a.lead = o.lead.empty() ? kUnknown
                           : travel_si("--lead", text_of_axis("--lead", o.lead, name),
                                       quantity("m", "mm").positive().at_most(100.0), a.rotary);
-  a.resolution = o.resolution.empty() ? kUnknown
+  const auto of_file = a.drive ? a.drive->encoder_resolution : std::nullopt;
+  a.resolution = o.resolution.empty() ? of_file.value_or(kUnknown)
                                       : travel_si("--resolution", o.resolution,
                                                   quantity("m", "um").positive().at_most(0.01), a.rotary);
   return a;
@@ -161,13 +164,16 @@ void refuse_without_effect(const SteadyTarget& t, const ExportRequest& o) {
 }
 
 void check_needs(const SteadyTarget& t, const ExportRequest& o) {
-  if (t.needs_gain() && o.gain.empty()) {
+  const std::string missing = missing_options(t, o);
+  if (missing.starts_with("--gain")) {
     refuse_option(
         "--gain",
-        fmt::format("missing: {} counts in a unit of its own; say the force of one, e.g. \"12.5 N/%\"",
-                    t.name));
+        fmt::format(
+            "missing: {} counts in a unit of its own; say the force of one, e.g. \"12.5 N/%\" (an axis file that identify wrote with a "
+            "machine file that has [axes.NAME.drive] says it itself)",
+            t.name));
   }
-  if (t.needs_lead() && o.lead.empty())
+  if (!missing.empty())
     refuse_option(
         "--lead",
         fmt::format("missing: {} counts at the motor; say the travel per turn, e.g. \"10 mm\"", t.name));
@@ -311,6 +317,20 @@ std::string untold(const Axis& axis) {
                      shown.speed(axis.told_from), shown.force(force));
 }
 
+nlohmann::ordered_json json_of(const Axis& axis, const Error& e, const std::vector<std::string>& missing) {
+  return {{"name", axis.name},
+          {"file", axis.file},
+          {"rotary", axis.rotary},
+          {"slowest_mm_per_s", 1e3 * axis.slowest},
+          {"fastest_mm_per_s", 1e3 * axis.fastest},
+          {"told_from_mm_per_s", axis.told_from > 0.0 ? nlohmann::ordered_json(1e3 * axis.told_from)
+                                                      : nlohmann::ordered_json(nullptr)},
+          {"max_error_N", e.largest},
+          {"rms_error_N", e.rms},
+          {"rms_friction_N", e.friction},
+          {"left_out", missing}};
+}
+
 }  // namespace
 
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
@@ -335,6 +355,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     Axis axis = axis_with_speeds(o, i, names[i]);
     axis.number = numbers[i];
+    const std::string taken = take_from_file(target, axis);
     count_as(target, axis);
     const Form form = target.write(axis);
     const Error e = error_of(axis, form);
@@ -359,20 +380,9 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
       w.text += remark(target.comment, fmt::format("Axis {} is {}", axis.name, workflow::kRotaryAsLinear));
     w.text += form.text;
     w.tables.push_back({form.held});
-    w.words += fmt::format("{}: {}.\n", axis.name, words) + word_of_gain(target, axis);
+    w.words += fmt::format("{}: {}.\n", axis.name, words) + taken + word_of_gain(target, axis);
     if (std::find(to_do.begin(), to_do.end(), form.to_do) == to_do.end()) to_do.push_back(form.to_do);
-    w.json.push_back(
-        {{"name", axis.name},
-         {"file", axis.file},
-         {"rotary", axis.rotary},
-         {"slowest_mm_per_s", 1e3 * axis.slowest},
-         {"fastest_mm_per_s", 1e3 * axis.fastest},
-         {"told_from_mm_per_s", axis.told_from > 0.0 ? nlohmann::ordered_json(1e3 * axis.told_from)
-                                                     : nlohmann::ordered_json(nullptr)},
-         {"max_error_N", e.largest},
-         {"rms_error_N", e.rms},
-         {"rms_friction_N", e.friction},
-         {"left_out", missing}});
+    w.json.push_back(json_of(axis, e, missing));
     if (task) add_build_up(target, with_gains_of(*task, i), i, axis, w);
     axes.push_back(axis);
   }

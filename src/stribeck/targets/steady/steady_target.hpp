@@ -16,6 +16,7 @@
 #include <functional>
 #include <optional>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/friction/drive_numbers.hpp>
 #include <stribeck/targets/pulse/table_force.hpp>
 #include <stribeck/targets/target.hpp>
 #include <string>
@@ -41,6 +42,8 @@ struct Axis {
   std::string unit;         ///< name of that unit: "%", "A"
   double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: not given
   double resolution = 0.0;  ///< step of the encoder [m]; NaN: not given
+  std::optional<friction::DriveNumbers> drive{};  ///< as its file says; absent: it does not
+  std::optional<double> control_period{};         ///< the same [s]
 
   /// Steady friction without load and periodic terms [N].
   [[nodiscard]] double friction(double v) const noexcept;

@@ -134,11 +134,24 @@ Comparison run_plan(ComparisonPlan plan, Parameters parameters,
   return out;
 }
 
+namespace {
+
+/// With --drive the machine has other drives than those whose loops the axis files tell.
+void leave_out_loops(Parameters& parameters) {
+  for (sim::AxisKnowledge& axis : parameters.knowledge) {
+    for (auto* model : {&axis.conventional, &axis.gaussian, &axis.eccentric, &axis.whole})
+      if (*model) (*model)->drive_loop.reset();
+  }
+}
+
+}  // namespace
+
 Comparison run_comparison(const ComparisonOptions& o,
                           const std::function<void(std::size_t, std::size_t)>& progress) {
   ComparisonPlan plan = plan_comparison(
       o, read_virtual_machine(o.machine, o.parameters.axis_files, AxisWithoutTruth::kLeftOut));
   Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
+  if (!o.drive.empty()) leave_out_loops(parameters);
   const std::string note = whose_loop(plan, o);
   Comparison out = run_plan(std::move(plan), std::move(parameters), progress);
   if (!note.empty()) out.warnings.push_back(note);

@@ -18,9 +18,10 @@
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
-#include <stribeck/workflow/log/fingerprint.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/machine/of_machine_file.hpp>
+#include <stribeck/workflow/stages/sorted_logs.hpp>
 #include <stribeck/workflow/stages/stages.hpp>
 
 namespace stribeck::workflow {
@@ -33,24 +34,6 @@ using Axis = report::CommissionedAxisReport;
 
 constexpr double kMassKnown = 0.1;  // half width of its interval, as a share
 constexpr std::string_view kVerify = "verify";
-
-/// The files of the folder in the order of their names; hidden ones and those of this program are left out.
-std::vector<std::string> files_in(const std::string& folder) {
-  std::error_code error;
-  std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    static constexpr std::array<std::string_view, 6> kOthers{".toml", ".json", ".html",
-                                                             ".ngc",  ".hal",  ".md"};
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.') || !entry.is_regular_file()) continue;
-    if (std::find(kOthers.begin(), kOthers.end(), entry.path().extension().string()) != kOthers.end())
-      continue;
-    files.push_back(entry.path().string());
-  }
-  if (error) throw io::InputError({folder, 0, {}, "cannot be read: " + error.message()});
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 std::string name_in(const std::string& path) { return fs::path(path).filename().string(); }
 
@@ -77,9 +60,12 @@ bool mass_known(const ident::Result& r) {
 class AxisStages {
  public:
   /// `own`: SHA-256 of the axis file that an earlier command wrote; empty: none.
-  AxisStages(const StageOptions& options, const AxisDescription& description, LogsOfAxis logs,
-             std::string own)
-      : options_(options), description_(description), logs_(std::move(logs)), own_(std::move(own)) {
+  AxisStages(const StageOptions& options, const MachineDescription& machine, LogsOfAxis logs, std::string own)
+      : options_(options),
+        description_(machine.axis(logs.axis)),
+        known_(of_machine_file(machine, logs.axis)),
+        logs_(std::move(logs)),
+        own_(std::move(own)) {
     axis_.axis = logs_.axis;
   }
 
@@ -294,7 +280,7 @@ class AxisStages {
   }
 
   void verify_and_promote(const Candidate& chosen) {
-    const sim::AxisFile file = axis_file(chosen.found, chosen.records);
+    const sim::AxisFile file = axis_file(chosen.found, chosen.records, known_);
     const std::string text = io::write_toml(
         file, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}), verified on {}.", axis_.axis,
                           chosen.found.result.model, chosen.records.sources, options_.version,
@@ -345,77 +331,12 @@ class AxisStages {
 
   const StageOptions& options_;
   const AxisDescription& description_;
+  OfMachineFile known_;
   LogsOfAxis logs_;
   std::string own_;
   std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
   Axis axis_;
 };
-
-/// The logs of an axis that are no copies; a model that is verified on a copy is verified on itself.
-class Recordings {
- public:
-  /// Adds a log, or takes it in place of one whose rows it holds. The note says which is left out; empty: none.
-  std::string add(const std::string& file, Fingerprint print, std::vector<std::string>& logs) {
-    for (auto& [name, other] : known_) {
-      if (print.within(other)) return copy_note(file, name);
-      if (!other.within(print)) continue;
-      std::string note = copy_note(name, file);
-      std::replace(logs.begin(), logs.end(), name, file);
-      name = file, other = std::move(print);
-      return note;
-    }
-    known_.emplace_back(file, std::move(print));
-    logs.push_back(file);
-    return {};
-  }
-
- private:
-  std::vector<std::pair<std::string, Fingerprint>> known_;
-};
-
-/// The logs of each axis, those without any too; what is no log, and what is a copy, is left out with the reason.
-std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescription& machine,
-                                    std::vector<std::string>& skipped) {
-  std::vector<LogsOfAxis> all;
-  for (const auto& [name, axis] : machine.axes) {
-    if (o.log.axis.empty() || o.log.axis == name) {
-      all.push_back({name, o.log, {}});
-      all.back().options.axis = name;
-    }
-  }
-  std::vector<Recordings> recordings(all.size());
-  for (const std::string& file : files_in(o.folder)) {
-    const auto take = [&](const LogsOfAxis& one) {
-      const AxisRecords read = read_axis({file}, one.options);
-      for (std::size_t i = 0; i < all.size(); ++i) {
-        if (all[i].axis != one.axis) continue;
-        const std::string copy = recordings[i].add(file, Fingerprint(read.records), all[i].logs);
-        if (!copy.empty()) skipped.push_back(fmt::format("axis {}: {}", one.axis, copy));
-        all[i].options = one.options;
-      }
-    };
-    const auto or_skip = [&](const auto& act, const std::string& axis) {
-      const auto skip = [&](const std::string& why) {
-        skipped.push_back(axis.empty() ? why : fmt::format("axis {}: {}", axis, why));
-      };
-      try {
-        act();
-      } catch (const io::InputError& e) {
-        skip(e.what());
-      } catch (const ident::Refused& e) {
-        skip(e.what());
-      }
-    };
-    or_skip(
-        [&] {
-          const std::vector<LogsOfAxis> found = logs_by_axis(machine, {file}, o.log);
-          for (const LogsOfAxis& one : found)
-            or_skip([&] { take(one); }, found.size() > 1 ? one.axis : std::string());
-        },
-        {});
-  }
-  return all;
-}
 
 /// What the result of an axis depends on.
 std::string key_of(const StageOptions& o, const LogsOfAxis& logs) {
@@ -487,7 +408,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
     std::string own;
     if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
       own = at->value("axis_file_sha256", "");
-    const Axis axis = AxisStages(o, description.axis(logs.axis), logs, own).run();
+    const Axis axis = AxisStages(o, description, logs, own).run();
     Json entry{{"key", key}, {"result", report::to_json(axis)}};
     entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
     state[logs.axis] = std::move(entry);

@@ -1,0 +1,73 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stribeck/targets/steady/test_export.hpp>
+
+namespace stribeck::test::gain_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kDrive =
+    "[drive]\nrated_force = \"1250 N\"\nforce_per_ampere = \"140 N/A\"\ntravel_per_turn = \"10 mm\"\nmotors = 2\n";
+
+SteadyExport with_drive() { return SteadyExport(std::string(kSteadyAxis) + kDrive); }
+
+TEST(Gain, ThatOfTheAxisFileGivesTheSameTextAsTheOption) {
+  SteadyExport given;
+  given.request.gain = "12.5 N/%";
+  for (const char* target : {"cia402", "mitsubishi", "pmac", "indradrive", "isg"}) {
+    SteadyExport known = with_drive();
+    EXPECT_EQ(known.text(target).substr(known.text(target).find('\n', 200)),
+              given.text(target).substr(given.text(target).find('\n', 200)))
+        << target;
+  }
+  SteadyExport known = with_drive();
+  EXPECT_THAT(known.to("cia402").text,
+              HasSubstr("x: 1250 N for 100 % of the rated torque, from the drive in " +
+                        known.request.files[0] + " (2 motors together: each gets the same number)."));
+}
+
+TEST(Gain, TheOptionGoesBeforeTheAxisFile) {
+  SteadyExport x = with_drive();
+  x.request.gain = "20 N/%";
+  EXPECT_THAT(x.text("cia402"), HasSubstr("F := F / 2.000000000e+00;"));
+  EXPECT_THAT(x.to("cia402").text, Not(HasSubstr("from the drive in")));
+}
+
+TEST(Gain, TheTravelPerTurnComesFromTheAxisFile) {
+  SteadyExport given;
+  given.request.gain = "12.5 N/%";
+  given.request.lead = "10 mm";
+  SteadyExport known = with_drive();
+  EXPECT_EQ(known.text("keba").substr(known.text("keba").find("index")),
+            given.text("keba").substr(given.text("keba").find("index")));
+  EXPECT_THAT(known.to("keba").text, HasSubstr("10 mm per turn of the motor"));
+}
+
+TEST(Gain, AmperesServeWhereTheTargetTakesAnyUnit) {
+  SteadyExport x(std::string(kSteadyAxis) + "[drive]\nforce_per_ampere = \"140 N/A\"\n");
+  EXPECT_THAT(x.to("isg").text, HasSubstr("x: 140 N for 1 A, from the drive in"));
+  EXPECT_THAT(x.refusal("cia402"), HasSubstr("--gain: missing: cia402 counts in a unit of its own"));
+}
+
+TEST(Gain, OneFileWithoutADriveIsMissing) {
+  SteadyExport x = with_drive();
+  x.request.files.push_back(x.folder.write("y.toml", kSteadyAxis));
+  EXPECT_THAT(x.refusal("cia402"), HasSubstr("--gain: missing"));
+  EXPECT_THAT(x.refusal("keba"), HasSubstr("--gain: missing"));
+}
+
+TEST(Gain, AllTargetsAreWrittenWithTheDriveOfTheFile) {
+  SteadyExport x = with_drive();
+  x.request.output = x.folder / "all";
+  const std::string words = x.to("all").text;
+  for (const char* target : {"cia402", "keba", "mitsubishi", "pmac", "ax8000"})
+    EXPECT_TRUE(std::filesystem::exists(x.folder / (std::string("all/") + target + ".txt"))) << target;
+  EXPECT_THAT(words, Not(HasSubstr("because an option is missing: cia402")));
+}
+
+}  // namespace
+}  // namespace stribeck::test::gain_test
