@@ -32,6 +32,10 @@ double quadrant(const nlohmann::ordered_json& circle, const char* of) {
   return circle[of]["quadrant_um"].get<double>();
 }
 
+double deviation(const nlohmann::ordered_json& circle, const char* of) {
+  return circle[of]["circular_deviation_um"].get<double>();
+}
+
 /// A line of the table of peaks, and the same as JSON.
 std::string peak_line(std::string_view target, std::string_view what, const nlohmann::ordered_json& circle) {
   const auto peak = [&](const char* of) { return report::micrometres(1e-6 * quadrant(circle, of)) + " µm"; };
@@ -44,7 +48,7 @@ std::string peak_line(std::string_view target, std::string_view what, const nloh
 std::string harm_in_words(const std::vector<std::string>& harmful) {
   if (harmful.empty()) return {};
   return fmt::format(
-      "Warning: on this circle {} {} larger peaks than no compensation. Friction builds up over a distance after each reversal, and a "
+      "Warning: on this circle {} {} larger peaks than no compensation, or a circular deviation that is no smaller. Friction builds up over a distance after each reversal, and a "
       "table over the speed pushes at once: choose a target with a smaller peak, or enter a part of the numbers and measure a circle.\n",
       report::listed(harmful), harmful.size() == 1 ? "leaves" : "leave");
 }
@@ -62,7 +66,8 @@ std::vector<std::string> add_peaks(const ExportRequest& o,
   std::vector<std::string> harmful;
   const auto add = [&](std::string_view target, std::string_view what, const nlohmann::ordered_json& circle) {
     constexpr double kMore = 1.02;
-    if (quadrant(circle, "pulse") > kMore * quadrant(circle, "without")) harmful.emplace_back(target);
+    const bool peak = quadrant(circle, "pulse") > kMore * quadrant(circle, "without");
+    if (peak || deviation(circle, "pulse") >= deviation(circle, "without")) harmful.emplace_back(target);
     out.text += peak_line(target, what, circle);
   };
   for (std::size_t i = 0; i < steady.size(); ++i) {

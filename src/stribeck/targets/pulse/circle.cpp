@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stribeck/path/contour_error.hpp>
 #include <stribeck/targets/pulse/circle.hpp>
+#include <variant>
 
 namespace stribeck::targets {
 
@@ -24,6 +27,68 @@ sim::Travel circle_travel(double radius, double feed, double laps) {
   t.settle_laps = 0.25;
   return t;
 }
+
+/// Smallest and largest signed contour error that a law saw [m].
+struct Errors {
+  double smallest = 0.0;
+  double largest = 0.0;
+  bool any = false;
+
+  void add(double error) noexcept {
+    smallest = any ? std::min(smallest, error) : error;
+    largest = any ? std::max(largest, error) : error;
+    any = true;
+  }
+};
+
+/// A law whose contour errors are noted from a time on, as the encoders of the table show them.
+class NotedLaw final : public sim::LawRunner<2> {
+ public:
+  /// `errors` outlives the runs.
+  NotedLaw(const sim::AnyController<2>& law, path::Curve curve, double period, double from, Errors* errors)
+      : law_(law->copy()), curve_(curve), period_(period), from_(from), errors_(errors) {}
+
+  [[nodiscard]] std::unique_ptr<LawRunner> copy() const override {
+    return std::unique_ptr<LawRunner>(new NotedLaw(*this));
+  }
+  Vec<double, 2> step(const Point& now, const Vec<double, 2>& measured) override {
+    note(now, measured);
+    return law_->step(now, measured);
+  }
+  Vec<double, 2> step_ahead(std::span<const Point> points, const Vec<double, 2>& measured) override {
+    note(points.front(), measured);
+    return law_->step_ahead(points, measured);
+  }
+  void acted(const Vec<double, 2>& force) override { law_->acted(force); }
+  [[nodiscard]] Vec<double, 2> command() const override { return law_->command(); }
+  [[nodiscard]] Vec<double, 2> offset() const override { return law_->offset(); }
+  [[nodiscard]] double lag() const override { return law_->lag(); }
+  [[nodiscard]] const StatusCounter& status() const override { return law_->status(); }
+  [[nodiscard]] std::vector<control::Drift> drift(double period) const override {
+    return law_->drift(period);
+  }
+
+ private:
+  NotedLaw(const NotedLaw& other)
+      : LawRunner(other),
+        law_(other.law_->copy()),
+        curve_(other.curve_),
+        period_(other.period_),
+        from_(other.from_),
+        errors_(other.errors_) {}
+
+  void note(const Point& now, const Vec<double, 2>& measured) {
+    const double time = period_ * static_cast<double>(ticks_++);
+    if (time >= from_) errors_->add(path::contour_error(curve_, measured, now.phi));
+  }
+
+  std::unique_ptr<LawRunner> law_;
+  path::Curve curve_;
+  double period_;
+  double from_;
+  Errors* errors_;
+  std::uint64_t ticks_ = 0;
+};
 
 }  // namespace
 
@@ -86,8 +151,11 @@ sim::AnyController<2> Circle::controller(sim::FrictionUse use) const {
 }
 
 CircleError Circle::error_of(const sim::AnyController<2>& controller) {
-  const sim::Metrics m = drives_.run<2>(controller, route_, {substeps_, false, false}, 1, 0);
-  return {m.quadrant_glitch, m.max_contour_error};
+  Errors errors;
+  const sim::AnyController<2> noted = std::make_shared<const NotedLaw>(
+      controller, std::get<path::Curve>(route_.path), axes_.machine.sample_time, route_.scored_from, &errors);
+  const sim::Metrics m = drives_.run<2>(noted, route_, {substeps_, false, false}, 1, 0);
+  return {m.quadrant_glitch, m.max_contour_error, errors.largest - errors.smallest};
 }
 
 CircleError Circle::without() { return error_of(controller(sim::FrictionUse::kNone)); }

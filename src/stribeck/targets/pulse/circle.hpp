@@ -30,6 +30,9 @@ sim::Machine machine_of(const std::array<friction::AxisModel, 2>& axes, double p
 struct CircleError {
   double quadrant = 0.0;  ///< largest within the first 0.15 mm after a reversal
   double largest = 0.0;
+  /// Largest minus smallest signed error: the circular deviation about the centre of the path, which a circular test shows. A pulse that is too
+  /// strong turns the peak round: the largest error falls, and this grows.
+  double deviation = 0.0;
 };
 
 class Circle {

@@ -135,7 +135,9 @@ sim::Machine machine_of_files(const ExportRequest& o) {
 }
 
 nlohmann::ordered_json json_of(const CircleError& e) {
-  return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
+  return {{"quadrant_um", 1e6 * e.quadrant},
+          {"max_um", 1e6 * e.largest},
+          {"circular_deviation_um", 1e6 * e.deviation}};
 }
 
 /// A peak as a share of that without compensation; where there was none, any peak is all of it.
@@ -144,10 +146,26 @@ double share_of(double peak, double without) {
 }
 
 std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
-  return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
+  return fmt::format("  {} {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
                      report::right_aligned(report::micrometres(e.quadrant), 9),
                      report::right_aligned(report::micrometres(e.largest), 9),
+                     report::right_aligned(report::micrometres(e.deviation), 9),
                      100.0 * share_of(e.quadrant, without.quadrant));
+}
+
+/// What is written may lower the peak and yet make the circle no rounder; empty: it makes it rounder.
+std::string harm_in_words(const CircleError& without, const CircleError& with) {
+  constexpr double kMore = 1.02;
+  if (with.quadrant > kMore * without.quadrant)
+    return fmt::format(
+        "Warning: with it the peaks are larger than without, {} µm in place of {} µm: enter a part of the numbers and measure a circle.\n",
+        report::micrometres(with.quadrant), report::micrometres(without.quadrant));
+  if (with.deviation >= without.deviation)
+    return fmt::format(
+        "Warning: the circular deviation is no smaller with it than without, {} µm in place of {} µm, because a part of the peaks is turned "
+        "round: enter half of the numbers and measure a circle.\n",
+        report::micrometres(with.deviation), report::micrometres(without.deviation));
+  return {};
 }
 
 /// The gains of an axis as a control has them. Kp acts on the speed of the axis, in force.
@@ -237,11 +255,11 @@ UserCircle user_circle(const PulseTask& t) {
 
 std::string circle_words(const PulseTask& t, const UserCircle& c, const char* what, const CircleError& with) {
   return fmt::format(
-             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; at the quadrants and largest contour error in µm, share of the first:\n",
+             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; contour error in µm at the quadrants, largest, and from the lowest to the highest (circular deviation); share of the first:\n",
              report::significant(1e3 * t.radius, 4), report::significant(1e3 * t.feed, 4), c.where, t.loop.id,
              report::significant(1e3 * t.period, 3)) +
          line_of("no friction compensation", c.without, c.without) + line_of(what, with, c.without) +
-         line_of("whole model to the force", c.model, c.without);
+         line_of("whole model to the force", c.model, c.without) + harm_in_words(c.without, with);
 }
 
 nlohmann::ordered_json circle_json(const PulseTask& t, const UserCircle& c, const CircleError& with) {

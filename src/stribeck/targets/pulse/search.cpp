@@ -24,8 +24,9 @@ double too_large(const friction::AxisModel& axis, const control::CascadeParams& 
   return 3.0 * jump_of_friction(axis, feed) / (axis.mass * loop.velocity_gain[0]);
 }
 
-/// What a good pulse makes small: the peak at the quadrant, and as much again the largest error of the lap, which a long pulse raises.
-double cost(const CircleError& e) { return e.quadrant + e.largest; }
+/// What a good pulse makes small: the peak at the quadrant; as much again the largest error of the lap, which a long pulse raises; and with
+/// little weight the circular deviation, which grows where a pulse turns a part of the peak round.
+double cost(const CircleError& e) { return e.quadrant + e.largest + 0.2 * e.deviation; }
 
 /// Best amplitude on a circle. The error is nearly a sum of a part that grows with the amplitude and one that does not; then its
 /// largest values are convex in the amplitude, and their sum has one minimum.

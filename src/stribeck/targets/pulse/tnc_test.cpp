@@ -38,6 +38,8 @@ TEST(Tnc, WritesWhatTakesMostOfTheQuadrantErrorAway) {
   const double without = circle["without"]["quadrant_um"];
   EXPECT_GT(without, 3.0);
   EXPECT_LT(circle["pulse"]["quadrant_um"].get<double>(), 0.35 * without);
+  EXPECT_LT(circle["pulse"]["circular_deviation_um"].get<double>(),
+            0.7 * circle["without"]["circular_deviation_um"].get<double>());
   // The prediction is that of the numbers in the file.
   const targets::SpikeCompensation c = targets::read_machine_parameters(text_of(x.request.output), "0");
   EXPECT_NEAR(1e3 * c.increment, written.json["axes"][0]["mp712_mm"].get<double>(), 1e-12);
