@@ -132,7 +132,7 @@ class BadLog : public testing::Test {
 using Lines = std::vector<std::string>;
 
 TEST_F(BadLog, MissingColumn) {
-  expect_refused(with([](Lines& l) { l[0] = "t [s],y [mm],f [N]"; }), {"log.csv", "x", "y [mm]", "--map"});
+  expect_refused(with([](Lines& l) { l[0] = "t [s],y [K],f [N]"; }), {"log.csv", "x", "y [K]", "--map"});
 }
 TEST_F(BadLog, MissingUnit) {
   expect_refused(with([](Lines& l) { l[0] = "t [s],x,f [N]"; }), {"log.csv", "x", "unit"});

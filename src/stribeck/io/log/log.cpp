@@ -139,6 +139,7 @@ void complete_times(Log& log, const ReadOptions& options) {
   detail::tell_indices(log);
   if (detail::join_seconds(log)) return;
   detail::tell_epoch(log);
+  detail::tell_unit_of_time(log, options.machine_period);
   const bool replaced = options.sample_time && detail::leave_out_coarse_time(log);
   if (!replaced && time_column(log) >= 0) {
     if (options.sample_time) {

@@ -96,6 +96,69 @@ void tell_epoch(Log& log) {
 
 namespace {
 
+/// Half of the steps are longer [units of the column]; 0 where the times do not increase.
+double usual_step(const std::vector<double>& t) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    if (const double step = t[k] - t[k - 1]; step > 0.0) steps.push_back(step);
+  }
+  if (2 * steps.size() < t.size()) return 0.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// 0, 1, 2, … or 1, 2, 3, …: perhaps numbers of rows.
+bool counts_rows(const std::vector<double>& t) {
+  if (t.empty() || (t.front() != 0.0 && t.front() != 1.0)) return false;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    if (t[k] != t[k - 1] + 1.0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+namespace {
+
+void tell_unit(Log& log, Column& c, std::optional<double> control_period) {
+  // Of a log of a drive [s]. Between them the units mostly tell themselves apart.
+  constexpr double kShortest = 15e-6, kLongest = 0.2;
+  constexpr double kMostPeriods = 20.0;  // of the control from row to row
+  if (!c.unit_text.empty() || !c.texts.empty() || counts_rows(c.values)) return;
+  if (c.header.find_first_of("[(") != std::string::npos) return;  // a unit that is not known
+  const double step = usual_step(c.values);
+  const auto fitting = [&](double shortest, double longest) {
+    std::vector<std::pair<const char*, double>> units;
+    for (const auto& [unit, scale] : {std::pair{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}) {
+      if (step * scale >= shortest && step * scale <= longest) units.emplace_back(unit, scale);
+    }
+    return units;
+  };
+  std::vector<std::pair<const char*, double>> units = fitting(kShortest, kLongest);
+  if (units.size() > 1 && control_period)
+    units = fitting(0.9 * *control_period, kMostPeriods * *control_period);
+  if (units.size() != 1) return;
+  c.unit_text = units.front().first;
+  c.unit_assumed = true;
+  log.notes.push_back("column " + in_quotes(c.header) + " has no unit; taken as " + c.unit_text +
+                      fmt::format(", in which the rows are {:.4g} ms apart (another: --map t={})",
+                                  1e3 * step * units.front().second, in_quotes(c.name + " UNIT")));
+}
+
+}  // namespace
+
+void tell_unit_of_time(Log& log, std::optional<double> control_period) {
+  const auto tell = [&](int at) {
+    if (at >= 0) tell_unit(log, log.columns[static_cast<std::size_t>(at)], control_period);
+  };
+  tell(time_column(log));
+  // Channels of other rates have times of their own.
+  for (const Column& c : log.columns) tell(c.time);
+}
+
+namespace {
+
 /// The time between rows in a text [s]: a number with a unit of time or of a rate behind it, or in brackets before it.
 std::optional<double> period_in(const std::string& told) {
   const auto colon = told.find(": ");

@@ -82,6 +82,40 @@ TEST(LogStamps, TimesSince1970HaveAUnit) {
   EXPECT_EQ(unit("0", "1"), "");
 }
 
+/// A table of ten rows with this step of its first column.
+std::string stepped(const std::string& name, double first, double step) {
+  std::string text = name + ",x_mm\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{}\n", first + step * k, k);
+  return text;
+}
+
+// A log of a drive has a row every 15 us to 0.2 s: mostly that is one unit alone.
+TEST(LogStamps, ATimeWithoutAUnitHasTheOnlyOneThatFits) {
+  const auto unit = [](double first, double step, const ReadOptions& options = {}) {
+    return parse(stepped("time", first, step), options).columns.at(0).unit_text;
+  };
+  EXPECT_EQ(unit(0.0, 0.002), "s");
+  EXPECT_EQ(unit(3.5, 0.01), "s");
+  EXPECT_EQ(unit(0.0, 0.25), "ms");
+  EXPECT_EQ(unit(0.0, 4.0), "ms");
+  EXPECT_EQ(unit(0.0, 1000.0), "us");
+  EXPECT_EQ(unit(0.0, 1e6), "ns");
+  // 20 ms or 20 us, 125 ms or 125 us.
+  EXPECT_EQ(unit(0.0, 0.02), "");
+  EXPECT_EQ(unit(0.0, 125.0), "");
+  // Perhaps numbers of rows.
+  EXPECT_EQ(unit(0.0, 1.0), "");
+  EXPECT_EQ(unit(1.0, 1.0), "");
+  ReadOptions of_machine;
+  of_machine.machine_period = 125e-6;
+  EXPECT_EQ(unit(0.0, 125.0, of_machine), "us");
+  of_machine.machine_period = 4e-3;
+  EXPECT_EQ(unit(0.0, 0.02, of_machine), "s");
+  EXPECT_THAT(
+      parse(stepped("Time", 0.0, 0.002)).notes,
+      Contains(HasSubstr("column \"Time\" has no unit; taken as s, in which the rows are 2 ms apart")));
+}
+
 TEST(LogStamps, AGivenSampleTimeTakesThePlaceOfStampsThatStandStill) {
   ReadOptions options;
   options.sample_time = 0.25;

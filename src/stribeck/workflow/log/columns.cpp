@@ -342,10 +342,11 @@ std::vector<std::string> AxisColumns::rescaled() const {
   return out;
 }
 
-std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string_view>& units) const {
+std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string_view>& units,
+                                                   bool doubtful) const {
   std::vector<NamedColumn> out;
   for (const io::Column& c : log_.columns) {
-    if (c.values.empty() || c.unit_assumed || c.unit_text == "1") continue;
+    if (c.values.empty() || (c.unit_assumed && !doubtful) || c.unit_text == "1") continue;
     const auto meaning = meaning_of(without_unit(c), c.unit_text);
     if (!axis_.empty() && meaning && !meaning->axis.empty() && !same_axis(log_, axis_, meaning->axis))
       continue;

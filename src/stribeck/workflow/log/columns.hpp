@@ -87,8 +87,10 @@ class AxisColumns {
   [[nodiscard]] std::optional<NamedColumn> find(LogQuantity what) const;
   /// The columns that are this quantity of axes with other names, as a sentence; empty: there is none.
   [[nodiscard]] std::string of_other_axes(LogQuantity what) const;
-  /// Columns that --map does not name and whose unit is one of these.
-  [[nodiscard]] std::vector<NamedColumn> with_unit_of(const std::vector<std::string_view>& units) const;
+  /// Columns that --map does not name and whose unit is one of these; `doubtful`: also where it stands in the name alone and may be the
+  /// letter of an axis ("out_V").
+  [[nodiscard]] std::vector<NamedColumn> with_unit_of(const std::vector<std::string_view>& units,
+                                                      bool doubtful = false) const;
   /// Columns whose unit --map replaces by one of another scale, one sentence each.
   [[nodiscard]] std::vector<std::string> rescaled() const;
 

@@ -108,8 +108,11 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
   }
   if (!found.efforts.empty()) return found;
   if (found.ambiguous) throw *found.ambiguous;
-  std::vector<NamedColumn> some = columns.with_unit_of({"N", "N m", "A", "V", "%"});
-  std::erase_if(some, [](const NamedColumn& n) { return is_of_supply(header_of(*n.column)); });
+  std::vector<NamedColumn> some;
+  for (const bool doubtful : {false, true}) {
+    if (some.empty()) some = columns.with_unit_of({"N", "N m", "A", "V", "%"}, doubtful);
+    std::erase_if(some, [](const NamedColumn& n) { return is_of_supply(header_of(*n.column)); });
+  }
   if (some.size() == 1) {
     Effort e;
     e.from = some.front();

@@ -469,7 +469,6 @@ TEST(LogAxis, ReferenceAndFeedbackOfAcs) {
       axis_of("Time(us)\tX_RPOS(mm)\tX_FPOS(mm)\tX_CURR(Arms)\n0\t1\t2\t3\n1000\t2\t3\t4\n2000\t3\t4\t5\n");
   EXPECT_DOUBLE_EQ(axis.x.y.at(0), 0.002);
   EXPECT_DOUBLE_EQ(axis.r.y.at(0), 0.001);
-  EXPECT_EQ(axis.force_unit, "A");
 }
 
 // Two motors on the two sides of a gantry, one of which carries more.
@@ -592,9 +591,9 @@ TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
   y.axis = "y";
   EXPECT_THAT(refusal("t [s],x_pos,x_current,y_pos,y_current\n0,1,1,5,2\n0.001,2,2,6,2\n0.002,3,3,7,2\n", y),
               HasSubstr("--map x=\"y_pos mm\" --map current=\"y_current A\""));
-  // Steps of 2 are milliseconds; the unit that the file has stays.
-  EXPECT_THAT(refusal("time,pos [um],Motor Current\n0,1,5\n2,2,6\n4,3,7\n"),
-              HasSubstr("--map t=\"time ms\" --map x=\"pos um\" --map current=\"Motor Current A\""));
+  // Steps of 125 are microseconds rather than milliseconds; the unit that the file has stays.
+  EXPECT_THAT(refusal("time,pos [um],Motor Current\n0,1,5\n125,2,6\n250,3,7\n"),
+              HasSubstr("--map t=\"time us\" --map x=\"pos um\" --map current=\"Motor Current A\""));
   // A time that was made of two columns has no name that could be typed.
   const std::string ros =
       refusal("stamp.sec,stamp.nanosec,pos,force\n1,0,1,5\n1,2000000,2,6\n1,4000000,3,7\n");
@@ -669,7 +668,7 @@ TEST(Inspect, SaysWhatALogHolds) {
   EXPECT_EQ(gap.json["findings"][0]["repaired"], true);
   // What cannot be used is no error but an answer.
   const workflow::Inspection none =
-      workflow::inspect(log_of(csv("t [s],a [mm],b [N]", {"t", "x_mm", "f"})), {});
+      workflow::inspect(log_of(csv("t [s],a [K],b [N]", {"t", "x_mm", "f"})), {});
   EXPECT_FALSE(none.usable);
   EXPECT_THAT(none.text, AllOf(HasSubstr("Cannot be used"), HasSubstr("--map x=")));
   EXPECT_FALSE(none.json["refused"].is_null());
@@ -694,6 +693,24 @@ TEST(LogAxis, PressureIsAForceWithAGain) {
 TEST(LogAxis, TorqueWithoutAUnitSaysWhatToGive) {
   const auto logged = workflow::logged_axis(log_of(csv("t [s],x [mm],torque", {"t", "x_mm", "percent"})), {});
   EXPECT_THAT(logged.notes, Contains(HasSubstr("--map torque=\"torque N m\"")));
+}
+
+// Names that no tool of a drive has: of each kind of unit there is one column.
+TEST(LogAxis, AColumnWithTheOnlyUnitOfItsKindIsTaken) {
+  const std::string text = csv("sec,load_coord_mm,i_q_A", {"t", "x_mm", "f"});
+  const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), {});
+  EXPECT_NEAR(axis.runs.at(0).x.y[100], 1e-3 * log_of(text).columns[1].values[100], 1e-12);
+  EXPECT_EQ(axis.runs.at(0).f.y[100], log_of(text).columns[2].values[100]);
+  EXPECT_THAT(
+      axis.notes,
+      Contains(HasSubstr(
+          "column \"load_coord_mm\" is taken as the position: no other has a unit of length or angle")));
+  // Neither two of them nor a command or an error by its name.
+  EXPECT_THAT(refusal(csv("sec,load_coord_mm,head_coord_mm,out_N", {"t", "x_mm", "x_mm", "f"})),
+              HasSubstr("no column for the position"));
+  EXPECT_THAT(refusal(csv("sec,cmd_mm,out_N", {"t", "x_mm", "f"})), HasSubstr("no column for the position"));
+  EXPECT_THAT(refusal(csv("sec,following error [mm],out_N", {"t", "x_mm", "f"})),
+              HasSubstr("no column for the position"));
 }
 
 }  // namespace

@@ -93,6 +93,27 @@ void doubt_command(const AxisColumns& columns, const NamedColumn& x, std::vector
       io::in_quotes(header_of(*x.column))));
 }
 
+/// The only column with a unit of length, or else of angle, that is neither commanded nor an error by its name; absent: there is none, or
+/// more than one.
+std::optional<NamedColumn> only_place(const AxisColumns& columns) {
+  // "cPos", "POSC": perhaps commanded.
+  constexpr std::array<std::string_view, 19> kNoPlace{
+      "error", "following", "lag",    "ferr",     "deviation", "schleppfehler", "schleppabstand",
+      "phase", "radius",    "window", "diameter", "thickness", "offset",        "tolerance",
+      "cpos",  "posc",      "npos",   "spos",     "tpos"};
+  for (const std::string_view unit : {"m", "rad"}) {
+    std::vector<NamedColumn> some = columns.with_unit_of({unit});
+    std::erase_if(some, [&](const NamedColumn& n) {
+      const auto meaning = meaning_of(n.column->name, n.unit);
+      return any_word(words_of_name(n.column->name), kNoPlace) ||
+             (meaning && meaning->what == LogQuantity::kReference);
+    });
+    if (some.size() == 1) return some.front();
+    if (!some.empty()) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 /// The columns that exist, in the order in which they are shown.
 std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std::string>& notes) {
   std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
@@ -112,6 +133,13 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std:
                        "it is with --map x=\"COLUMN UNIT\")",
                        others)});
     }
+    x = only_place(columns);
+    if (x)
+      notes.push_back(fmt::format(
+          "column {} is taken as the position: no other has a unit of length or angle (another: --map x=\"COLUMN UNIT\")",
+          io::in_quotes(header_of(*x->column))));
+  }
+  if (!x && !v) {
     std::string all = with_following_error(columns);
     if (all.empty()) all = proposed_maps(columns.log(), columns.axis());
     throw io::InputError({columns.log().source, 0, "x",

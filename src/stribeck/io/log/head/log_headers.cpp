@@ -63,6 +63,24 @@ bool is_scaled_unit(std::string_view text) {
 
 namespace {
 
+/// The unit of a time that is called by its unit alone, "sec"; empty: it is no such name. Small letters.
+std::string unit_of_time(const std::string& name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kTimes{{{"seconds", "s"},
+                                                                                  {"secs", "s"},
+                                                                                  {"sec", "s"},
+                                                                                  {"sekunden", "s"},
+                                                                                  {"milliseconds", "ms"},
+                                                                                  {"millisekunden", "ms"},
+                                                                                  {"msec", "ms"},
+                                                                                  {"microseconds", "us"},
+                                                                                  {"usec", "us"},
+                                                                                  {"nanoseconds", "ns"}}};
+  for (const auto& [word, unit] : kTimes) {
+    if (name == word) return std::string(unit);
+  }
+  return {};
+}
+
 /// "Position [cnt] (a01)": what is behind the unit belongs to the name.
 std::optional<Column> column_with_words_behind(const std::string& header, Notes& notes) {
   const auto behind = header.rfind("] (");
@@ -124,19 +142,7 @@ Column column_of(std::string header, Notes& notes) {
       return c;
     }
   }
-  // A time that is called by its unit alone.
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTimes{{{"seconds", "s"},
-
-                                                                                 {"sekunden", "s"},
-                                                                                 {"milliseconds", "ms"},
-                                                                                 {"millisekunden", "ms"},
-                                                                                 {"msec", "ms"},
-                                                                                 {"microseconds", "us"},
-                                                                                 {"usec", "us"},
-                                                                                 {"nanoseconds", "ns"}}};
-  for (const auto& [word, unit] : kTimes) {
-    if (lower_case(header) == word) c.unit_text = unit;
-  }
+  c.unit_text = unit_of_time(lower_case(header));
   std::size_t longest = 0;
   for (const auto& [suffix, unit] : kSuffixes) {
     if (suffix.size() <= longest || header.size() < suffix.size() + 2) continue;
@@ -147,7 +153,7 @@ Column column_of(std::string header, Notes& notes) {
     longest = suffix.size();
     c.name = header.substr(0, at - 1);
     c.unit_text = unit;
-    c.unit_assumed = suffix.size() == 1;  // "i_A" may be that of axis A
+    c.unit_assumed = suffix == "A" || suffix == "V";  // "i_A" may be that of axis A
     const std::string name = lower_case(c.name);
     const bool torque = name.find("torque") != std::string::npos || name.find("moment") != std::string::npos;
     if (suffix == "nm" && torque) c.unit_text = "N m";

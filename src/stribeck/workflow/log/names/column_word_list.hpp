@@ -33,6 +33,8 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"pos", Word::kPosition},
                             Entry{"lage", Word::kPosition},
                             Entry{"weg", Word::kPosition},
+                            Entry{"displacement", Word::kPosition},
+                            Entry{"theta", Word::kAngle},
                             Entry{"angle", Word::kAngle},
                             Entry{"winkel", Word::kAngle},
                             Entry{"velocity", Word::kVelocity},
@@ -49,6 +51,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"force", Word::kForce},
                             Entry{"kraft", Word::kForce},
                             Entry{"effort", Word::kForce},
+                            Entry{"thrust", Word::kForce},
                             Entry{"torque", Word::kTorque},
                             Entry{"trq", Word::kTorque},
                             Entry{"drehmoment", Word::kTorque},
@@ -59,6 +62,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"curr", Word::kCurrent},
                             Entry{"cur", Word::kCurrent},
                             Entry{"strom", Word::kCurrent},
+                            Entry{"amps", Word::kCurrent},
                             Entry{"iq", Word::kCurrent},
                             Entry{"voltage", Word::kVoltage},
                             Entry{"spannungs", Word::kVoltage},
@@ -98,6 +102,9 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"motor", Word::kNothing},
                             Entry{"mtr", Word::kNothing},
                             Entry{"drive", Word::kNothing},
+                            Entry{"stage", Word::kNothing},
+                            Entry{"linear", Word::kNothing},
+                            Entry{"control", Word::kNothing},
                             Entry{"momentenbildend", Word::kNothing},
                             Entry{"antriebs", Word::kNothing},
                             Entry{"antrieb", Word::kNothing},
@@ -110,7 +117,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"ictrl", Word::kNothing},
                             Entry{"signal", Word::kNothing}};
 
-/// Variables of controls (ACS, Trio), in one word: what, and whether it is actual or commanded.
+/// Variables of controls (ACS, Trio, Kollmorgen), in one word: what, and whether it is actual or commanded.
 struct Variable {
   std::string_view name;
   Word what;
@@ -121,7 +128,10 @@ constexpr std::array kVariables{
     Variable{"fpos", Word::kPosition, Word::kActual},    Variable{"mpos", Word::kPosition, Word::kActual},
     Variable{"rpos", Word::kPosition, Word::kCommanded}, Variable{"dpos", Word::kPosition, Word::kCommanded},
     Variable{"fvel", Word::kVelocity, Word::kActual},    Variable{"mspeed", Word::kVelocity, Word::kActual},
-    Variable{"rvel", Word::kVelocity, Word::kCommanded}};
+    Variable{"rvel", Word::kVelocity, Word::kCommanded}, Variable{"pfb", Word::kPosition, Word::kActual},
+    Variable{"pfbk", Word::kPosition, Word::kActual},    Variable{"pcmd", Word::kPosition, Word::kCommanded},
+    Variable{"vfb", Word::kVelocity, Word::kActual},     Variable{"vcmd", Word::kVelocity, Word::kCommanded},
+    Variable{"icmd", Word::kCurrent, Word::kCommanded}};
 
 /// Romance, Germanic and Slavonic languages, Turkish, Japanese, Chinese, Korean. Small letters.
 constexpr std::array kForeignWords{Entry{"posizione", Word::kPosition},

@@ -118,8 +118,11 @@ std::optional<int> object_index(std::string_view name) {
   return number;
 }
 
+/// The index may also stand behind the name: "PositionActualValue 6064h".
 std::optional<NameMeaning> cia402(std::string_view name) {
-  const std::optional<int> index = object_index(name);
+  std::optional<int> index = object_index(name);
+  if (const auto blank = name.rfind(' '); !index && blank != std::string_view::npos)
+    index = object_index(name.substr(blank + 1));
   return index ? found_in(kCia402, *index) : std::nullopt;
 }
 

@@ -85,7 +85,12 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"S-0-0051, Position feedback value 1", LogQuantity::kPosition, ""},
       {"P-0-0434, Position command value of controller", LogQuantity::kReference, ""},
       {"S-0-0040", LogQuantity::kVelocity, ""},
-      {"S-0-0084, Torque/force feedback value", LogQuantity::kTorque, ""}};
+      {"S-0-0084, Torque/force feedback value", LogQuantity::kTorque, ""},
+      {"PositionActualValue 6064h", LogQuantity::kPosition, ""},
+      {"TorqueActualValue 6077h", LogQuantity::kTorque, ""},
+      {"stage_position", LogQuantity::kPosition, ""},
+      {"control_force", LogQuantity::kForce, ""},
+      {"Xaxis_motor_amps", LogQuantity::kCurrent, "x"}};
   for (const auto& [name, what, axis] : all) {
     const auto found = meaning_of(name);
     ASSERT_TRUE(found) << name;
@@ -99,6 +104,10 @@ TEST(ColumnWords, VariablesOfControls) {
       {"FPOS(0)", LogQuantity::kPosition, "0"},
       {"RPOS(0)", LogQuantity::kReference, "0"},
       {"FVEL(0)", LogQuantity::kVelocity, "0"},
+      {"PFB", LogQuantity::kPosition, ""},
+      {"PCMD", LogQuantity::kReference, ""},
+      {"VFB", LogQuantity::kVelocity, ""},
+      {"ICMD", LogQuantity::kCurrent, ""},
       {"MPOS AXIS(0)", LogQuantity::kPosition, "0"},
       {"DPOS AXIS(0)", LogQuantity::kReference, "0"},
       {"gAxis01, ParID 111: PCTRL_S_ACT", LogQuantity::kPosition, "gaxis01"},
