@@ -10,7 +10,8 @@ namespace stribeck::targets {
 inline void refuse_pulse_options(const ExportRequest& o) {
   const auto refuse = [](const char* option) {
     workflow::refuse_option(
-        option, "applies only to --to sinumerik, tnc and fanuc, and with --controller also to isg and all");
+        option,
+        "applies only to --to sinumerik, tnc and fanuc, and with --controller also to isg, cia402, structured-text and all");
   };
   if (!o.controller.empty()) refuse("--controller");
   if (!o.machine.empty()) refuse("--machine");

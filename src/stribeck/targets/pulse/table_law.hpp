@@ -6,6 +6,8 @@
 ///
 ///   F force of the table [N], d build-up [m], t_a look-ahead [s]
 ///
+/// With bristles it is w = h of pre_sliding.hpp, and a force of the last direction at rest.
+///
 /// Source of the weights: ISG kernel, friction compensation (axis/352387467): in time before the reversal, in distance after it. That
 /// they are straight lines is assumed.
 /// Real time: no.
@@ -14,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <stribeck/targets/pulse/around_cascade.hpp>
+#include <stribeck/targets/pulse/pre_sliding.hpp>
 #include <stribeck/targets/pulse/table_force.hpp>
 
 namespace stribeck::targets {
@@ -30,7 +33,8 @@ class TableCascade final : public AroundCascade {
     Vec<double, 2> u = cascade_step(now, measured);
     for (std::size_t i = 0; i < 2; ++i) {
       const double v = now.velocity[i];
-      u[i] += weight(i, now.position[i], v, now.acceleration[i]) * tables_[i].force(v);
+      u[i] += tables_[i].bristles ? built_up(i, now.position[i], v)
+                                  : weight(i, now.position[i], v, now.acceleration[i]) * tables_[i].force(v);
     }
     return u;
   }
@@ -39,8 +43,22 @@ class TableCascade final : public AroundCascade {
   struct Axis {
     double direction = 0.0;
     bool reversed = false;
-    double from = 0.0;  ///< position of the last reversal [m]
+    double from = 0.0;  ///< position of the last reversal, with bristles that of the last period [m]
+    bool begun = false;
+    PreSliding bristles{};
   };
+
+  double built_up(std::size_t i, double position, double v) {
+    const TableForce& table = tables_[i];
+    Axis& a = axes_[i];
+    if (v != 0.0) a.direction = sign(v);
+    const double travel = a.begun ? position - a.from : 0.0;
+    a.from = position;
+    a.begun = true;
+    constexpr double kSlow = 1e-12;  // of the last direction [m/s]
+    const double friction = std::abs(table.force(v != 0.0 ? v : a.direction * kSlow));
+    return a.bristles.step(*table.bristles, travel, friction) * friction;
+  }
 
   double weight(std::size_t i, double position, double v, double acceleration) {
     const TableForce& table = tables_[i];

@@ -350,8 +350,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   w.json = nlohmann::ordered_json::array();
   std::vector<std::string> to_do;
   std::vector<Axis> axes;
-  const std::optional<PulseTask> task =
-      target.build_up == nullptr ? std::nullopt : circle_task(target.name, o);
+  const std::optional<PulseTask> task = target.takes_circle() ? circle_task(target.name, o) : std::nullopt;
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     Axis axis = axis_with_speeds(o, i, names[i]);
     axis.number = numbers[i];
@@ -379,11 +378,11 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     if (axis.rotary)
       w.text += remark(target.comment, fmt::format("Axis {} is {}", axis.name, workflow::kRotaryAsLinear));
     w.text += form.text;
-    w.tables.push_back({form.held});
+    w.tables.push_back({form.held, 0.0, 0.0, form.bristles});
     w.words += fmt::format("{}: {}.\n", axis.name, words) + taken + word_of_gain(target, axis);
     if (std::find(to_do.begin(), to_do.end(), form.to_do) == to_do.end()) to_do.push_back(form.to_do);
     w.json.push_back(json_of(axis, e, missing));
-    if (task) add_build_up(target, with_gains_of(*task, i), i, axis, w);
+    if (task && target.build_up != nullptr) add_build_up(target, with_gains_of(*task, i), i, axis, w);
     axes.push_back(axis);
   }
   const std::string head = target.head == nullptr ? std::string() : target.head(axes);
@@ -455,7 +454,7 @@ Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   if (!target.encoder && !o.resolution.empty())
     refuse_option("--resolution", "applies only to --to pid and --to all");
   if (!o.zero.empty()) refuse_option("--zero", "applies only to --to moteus and --to all");
-  if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
+  if (!target.takes_circle() || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
   if (target.beside && std::filesystem::path(o.output).filename() == target.beside->name)
     refuse_option("--output",

@@ -56,6 +56,8 @@ struct Form {
   double from = 0.0;      ///< below this speed it passes through zero, and no error is told [m/s]
   bool periodic = false;  ///< terms periodic in position are in it
   bool pre_sliding = false;
+  std::optional<friction::BuildUp>
+      bristles{};     ///< with which its code lets the friction build up after a reversal
   bool mass = false;  ///< the mass is in it
   bool load = false;
   std::string to_do;  ///< where it is typed, and what to check first
@@ -102,6 +104,8 @@ struct SteadyTarget {
   /// Lines for the way in which the force comes and goes around a reversal, which are found where --controller tells the loop; rounds it
   /// to what the lines say. Null: the control has none.
   std::string (*build_up)(TableForce&, double period) = nullptr;
+  /// Also without such lines, --controller has the contour error on a circle predicted.
+  bool on_circle = false;
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
@@ -114,6 +118,7 @@ struct SteadyTarget {
   [[nodiscard]] bool needs_gain() const {
     return needs == SteadyNeeds::kGain || needs == SteadyNeeds::kGainAndLead;
   }
+  [[nodiscard]] bool takes_circle() const { return build_up != nullptr || on_circle; }
   [[nodiscard]] bool needs_lead() const {
     return needs == SteadyNeeds::kLead || needs == SteadyNeeds::kGainAndLead;
   }

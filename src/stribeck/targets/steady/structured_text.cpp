@@ -11,55 +11,116 @@ std::string array_of(const std::string& name, const std::string& numbers, std::s
   return fmt::format("  {} : ARRAY[0..{}] OF LREAL := [{}];\n", name, count - 1, numbers);
 }
 
-/// Function of IEC 61131-3. `result` is the type of what it returns, from the force F in N.
-std::string function_of(const Axis& axis, const SourceTables& tables, const std::string& type,
-                        const std::string& result) {
+/// Numbers of the stops, in two arrays, or of the one bristle.
+std::string constants_of(const friction::BuildUp& bristles) {
+  if (bristles.stops.empty())
+    return fmt::format("  distance : LREAL := {:.9e}; (* m/N *)\n", bristles.distance);
+  std::string weights, rates;
+  for (const friction::Stop& stop : bristles.stops) {
+    weights += fmt::format("{}{:.9e}", weights.empty() ? "" : ", ", stop.weight);
+    rates += fmt::format("{}{:.9e}", rates.empty() ? "" : ", ", 2.0 * stop.weight / stop.reach);
+  }
+  return array_of("weight", weights, bristles.stops.size()) +
+         array_of("stiffness", rates, bristles.stops.size());
+}
+
+/// Makes of the friction `level` against the motion the signed one that has built up over the commanded travel (pre_sliding.hpp).
+std::string built_up(const friction::BuildUp& bristles) {
+  std::string out =
+      "travel := position - before;\n"
+      "IF NOT begun THEN\n"
+      "  travel := 0.0;\n"
+      "  begun := TRUE;\n"
+      "END_IF;\n"
+      "before := position;\n";
+  if (bristles.stops.empty())
+    return out +
+           "IF level > 0.0 AND travel > 0.0 THEN\n"
+           "  h := 1.0 + (h - 1.0) * EXP(-travel / (distance * level));\n"
+           "ELSIF level > 0.0 AND travel < 0.0 THEN\n"
+           "  h := -1.0 + (h + 1.0) * EXP(travel / (distance * level));\n"
+           "END_IF;\n"
+           "level := h * level;\n";
+  return out + fmt::format(
+                   "h := 0.0;\n"
+                   "FOR i := 0 TO {} DO\n"
+                   "  IF level > 0.0 THEN\n"
+                   "    stop[i] := LIMIT(-weight[i], stop[i] + stiffness[i] * travel / level, weight[i]);\n"
+                   "  END_IF;\n"
+                   "  h := h + stop[i];\n"
+                   "END_FOR;\n"
+                   "level := h * level;\n",
+                   bristles.stops.size() - 1);
+}
+
+/// The lines that find the level of one direction in its table; `when` is the line before them.
+std::string side_of_table(const char* when, const char* side, std::size_t count) {
+  const std::string speed = fmt::format("speed_{}", side);
+  const std::string force = fmt::format("force_{}", side);
+  return fmt::format(
+      "{0}\n"
+      "  IF s <= {1}[0] THEN\n"
+      "    level := {2}[0];\n"
+      "  ELSIF s >= {1}[{3}] THEN\n"
+      "    level := {2}[{3}];\n"
+      "  ELSE\n"
+      "    i := 1;\n"
+      "    WHILE s > {1}[i] DO\n"
+      "      i := i + 1;\n"
+      "    END_WHILE;\n"
+      "    level := {2}[i - 1] + ({2}[i] - {2}[i - 1]) * (s - {1}[i - 1]) / ({1}[i] - {1}[i - 1]);\n"
+      "  END_IF;\n",
+      when, speed, force, count - 1);
+}
+
+/// Function block of IEC 61131-3. `type` and `result` are those of its output, from the force F in N.
+std::string block_of(const Axis& axis, const SourceTables& tables, const std::string& type,
+                     const std::string& result) {
   const std::string& n = axis.name;
+  const auto bristles = friction::build_up_of(axis.model.friction.dynamics);
   std::string out = fmt::format(
-      "FUNCTION {}_force : {}\n"
+      "FUNCTION_BLOCK {}_force\n"
       "VAR_INPUT\n"
       "  acceleration : LREAL; (* of the command, m/s2 *)\n"
       "  velocity : LREAL; (* of the command, m/s *)\n"
       "  position : LREAL; (* of the command, m *)\n"
       "END_VAR\n"
+      "VAR_OUTPUT\n"
+      "  force : {};\n"
+      "END_VAR\n"
       // Behind constants some compilers take these for constants too.
       "VAR\n"
       "  i : INT;\n"
-      "  s, level, other, F : LREAL;\n"
+      "  forward : BOOL;\n"
+      "  s, level, other, F : LREAL;\n",
+      n, type);
+  if (bristles) {
+    out += "  begun : BOOL;\n  before, travel, h : LREAL;\n";
+    if (!bristles->stops.empty())
+      out += fmt::format("  stop : ARRAY[0..{}] OF LREAL;\n", bristles->stops.size() - 1);
+  }
+  out += fmt::format(
       "END_VAR\n"
       "VAR CONSTANT\n"
       "  mass : LREAL := {:.9e}; (* kg *)\n"
       "  load : LREAL := {:.9e}; (* N *)\n",
-      n, type, axis.model.mass, axis.model.load);
+      axis.model.mass, axis.model.load);
   out += array_of("speed_p", speeds_of(tables.positive), tables.positive.size());
   out += array_of("force_p", forces_of(tables.positive), tables.positive.size());
   out += array_of("speed_n", speeds_of(tables.negative), tables.negative.size());
   out += array_of("force_n", forces_of(tables.negative), tables.negative.size());
+  if (bristles) out += constants_of(*bristles);
   out +=
       "END_VAR\n"
+      "IF velocity > 0.0 THEN\n"
+      "  forward := TRUE;\n"
+      "ELSIF velocity < 0.0 THEN\n"
+      "  forward := FALSE;\n"
+      "END_IF;\n"
       "s := ABS(velocity);\n"
-      "level := 0.0;\n"
       "other := 0.0;\n";
-  const auto side = [&](const char* when, const char* side_of, std::size_t count) {
-    const std::string speed = fmt::format("speed_{}", side_of);
-    const std::string force = fmt::format("force_{}", side_of);
-    return fmt::format(
-        "{0} THEN\n"
-        "  IF s <= {1}[0] THEN\n"
-        "    level := {2}[0];\n"
-        "  ELSIF s >= {1}[{3}] THEN\n"
-        "    level := {2}[{3}];\n"
-        "  ELSE\n"
-        "    i := 1;\n"
-        "    WHILE s > {1}[i] DO\n"
-        "      i := i + 1;\n"
-        "    END_WHILE;\n"
-        "    level := {2}[i - 1] + ({2}[i] - {2}[i - 1]) * (s - {1}[i - 1]) / ({1}[i] - {1}[i - 1]);\n"
-        "  END_IF;\n",
-        when, speed, force, count - 1);
-  };
-  out += side("IF velocity > 0.0", "p", tables.positive.size());
-  out += side("ELSIF velocity < 0.0", "n", tables.negative.size()) + "END_IF;\n";
+  out += side_of_table("IF forward THEN", "p", tables.positive.size());
+  out += side_of_table("ELSE", "n", tables.negative.size()) + "END_IF;\n";
   for (const auto& t : axis.model.friction.eccentric) {
     out += fmt::format("{0} := {0} + {1:.9e} * SIN({2:.9e} * position - {3:.9e});\n",
                        t.form == friction::EccentricForm::kAdditive ? "other" : "level", t.amplitude,
@@ -68,26 +129,34 @@ std::string function_of(const Axis& axis, const SourceTables& tables, const std:
   if (const auto& spring = axis.model.friction.spring)
     out += fmt::format("other := other + {0:.9e} * (LIMIT({2:.9e}, position, {3:.9e}) - {1:.9e});\n",
                        spring->stiffness, spring->zero_at, spring->lowest(), spring->highest());
-  out +=
-      "IF velocity < 0.0 THEN\n"
-      "  level := -level;\n"
-      "ELSIF velocity = 0.0 THEN\n"
-      "  level := 0.0;\n"
-      "END_IF;\n"
-      "F := mass * acceleration + level + other + load;\n";
-  out += result;
-  return out + "END_FUNCTION\n";
+  out += bristles ? built_up(*bristles)
+                  : std::string(
+                        "IF velocity < 0.0 THEN\n"
+                        "  level := -level;\n"
+                        "ELSIF velocity = 0.0 THEN\n"
+                        "  level := 0.0;\n"
+                        "END_IF;\n");
+  out += "F := mass * acceleration + level + other + load;\n" + result;
+  return out + "END_FUNCTION_BLOCK\n";
+}
+
+/// What both forms have in common.
+Form form_of(const Axis& axis) {
+  Form form;
+  form.periodic = form.mass = form.load = true;
+  form.bristles = friction::build_up_of(axis.model.friction.dynamics);
+  form.pre_sliding = form.bristles.has_value();
+  return form;
 }
 
 Form write_structured_text(const Axis& axis) {
   const SourceTables tables(axis);
-  Form form;
+  Form form = form_of(axis);
   form.held = [tables](double v) { return tables.at(v); };
-  form.periodic = form.mass = form.load = true;
-  form.text = function_of(axis, tables, "LREAL", fmt::format("{}_force := F;\n", axis.name));
+  form.text = block_of(axis, tables, "LREAL", "force := F;\n");
   form.to_do =
-      "Call NAME_force in the cyclic task with the commanded motion and add its result to the force of the axis. Check its sign "
-      "first: at a constant positive velocity it must push in the positive direction.";
+      "Declare an instance of NAME_force, call it once in every cycle with the commanded motion, and add its output force to the force of "
+      "the axis. Check its sign first: at a constant positive velocity it must push in the positive direction.";
   return form;
 }
 
@@ -95,37 +164,39 @@ Form write_structured_text(const Axis& axis) {
 Form write_per_mille(const Axis& axis) {
   const double unit = axis.gain;
   const SourceTables tables(axis);
-  Form form;
+  Form form = form_of(axis);
   form.held = [tables, unit](double v) { return unit * std::round(tables.at(v) / unit); };
-  form.periodic = form.mass = form.load = true;
-  const std::string& n = axis.name;
-  form.text = function_of(axis, tables, "INT",
-                          fmt::format("F := F / {:.9e}; (* N of one per mille of the rated torque *)\n"
-                                      "IF F > 32767.0 THEN\n"
-                                      "  F := 32767.0;\n"
-                                      "ELSIF F < -32767.0 THEN\n"
-                                      "  F := -32767.0;\n"
-                                      "END_IF;\n"
-                                      "{}_force := LREAL_TO_INT(F);\n",
-                                      unit, n));
+  form.text = block_of(axis, tables, "INT",
+                       fmt::format("F := F / {:.9e}; (* N of one per mille of the rated torque *)\n"
+                                   "IF F > 32767.0 THEN\n"
+                                   "  F := 32767.0;\n"
+                                   "ELSIF F < -32767.0 THEN\n"
+                                   "  F := -32767.0;\n"
+                                   "END_IF;\n"
+                                   "force := LREAL_TO_INT(F);\n",
+                                   unit));
   form.to_do =
-      "Map object 60B2h (torque offset) into the cyclic data and write NAME_force() to it in every cycle, in per mille of the rated "
-      "torque. Check first that the drive counts 60B2h in per mille (object 6076h is the rated torque) and that a positive value "
-      "pushes in the positive direction.";
+      "Map object 60B2h (torque offset) into the cyclic data; declare an instance of NAME_force, call it once in every cycle with the commanded "
+      "motion, and write its output force, in per mille of the rated torque, to the object. Check first that the drive counts 60B2h in per mille "
+      "(object 6076h is the rated torque) and that a positive value pushes in the positive direction.";
   return form;
 }
 
 }  // namespace
 
 extern const SteadyTarget kStructuredText;
-const SteadyTarget kStructuredText{"structured-text", "function for a PLC after IEC 61131-3", "(*",
-                                   SteadyNeeds::kNothing, write_structured_text};
+const SteadyTarget kStructuredText{.name = "structured-text",
+                                   .what = "function block for a PLC after IEC 61131-3",
+                                   .comment = "(*",
+                                   .write = write_structured_text,
+                                   .on_circle = true};
 extern const SteadyTarget kCia402;
 const SteadyTarget kCia402{.name = "cia402",
                            .what = "torque offset 60B2h in per mille, as Structured Text",
                            .comment = "(*",
                            .needs = SteadyNeeds::kGain,
                            .write = write_per_mille,
+                           .on_circle = true,
                            .counts = GainUnit::kPerMille};
 
 }  // namespace stribeck::targets

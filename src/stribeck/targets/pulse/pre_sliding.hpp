@@ -1,0 +1,47 @@
+#pragma once
+/// How the friction of a table comes back after a reversal, from the bristles of an axis file, for code that runs in a control. State and
+/// code are a few lines in any language: the targets write them out.
+///
+///   friction = h·F(v)                                              F table at the commanded speed [N], h in −1 … 1
+///   elastic stops      h = Σ h_i,  h_i ← clamp(h_i + 2·α_i·Δr/(ρ_i·F), ±α_i)
+///   one bristle        h ← s + (h − s)·exp(−|Δr|/(δ·F))            s = sgn Δr
+///
+///   Δr travel of the command in one period [m]; α_i weight and ρ_i reach of a stop, δ distance [m/N]: friction/dynamics.hpp
+///
+/// The level of the bristles is the whole friction of the table.
+/// Not modelled: damping of the bristles; attraction of slipping stops.
+/// Real time: safe.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stribeck/friction/dynamics.hpp>
+
+namespace stribeck::targets {
+
+/// h along a commanded motion; 0 at its beginning.
+class PreSliding {
+ public:
+  /// After a travel [m] at a friction [N] that is above zero.
+  double step(const friction::BuildUp& law, double travel, double friction) noexcept {
+    if (travel != 0.0 && friction > 0.0) {
+      for (std::size_t i = 0; i < law.stops.size(); ++i) {
+        const friction::Stop& stop = law.stops[i];
+        h_[i] = std::clamp(h_[i] + 2.0 * stop.weight * travel / (stop.reach * friction), -stop.weight,
+                           stop.weight);
+      }
+      if (law.stops.empty()) {
+        const double side = travel > 0.0 ? 1.0 : -1.0;
+        h_[0] = side + (h_[0] - side) * std::exp(-std::abs(travel) / (law.distance * friction));
+      }
+    }
+    double all = 0.0;
+    for (const double h : h_) all += h;
+    return all;
+  }
+
+ private:
+  std::array<double, friction::kMostStops> h_{};
+};
+
+}  // namespace stribeck::targets
