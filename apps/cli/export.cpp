@@ -50,19 +50,19 @@ int run_export(const ExportCommand& o) {
 void add_circle_options(CLI::App& verb, targets::ExportRequest& what) {
   verb.add_option(
           "--controller", what.controller,
-          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; for isg, cia402, structured-text and all, where it adds what depends on the loop")
+          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; for isg, c, structured-text, cia402 and all, where it adds what depends on the loop")
       ->type_name("NAME|FILE.toml");
   verb.add_option(
           "--period", what.period,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, cia402, structured-text and all with --controller): period of the position loop; left out: that of --machine or of the axis files, else 1 ms")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, c, structured-text, cia402 and all with --controller): period of the position loop; left out: that of --machine or of the axis files, else 1 ms")
       ->type_name("TIME");
   verb.add_option(
           "--size", what.size,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, cia402, structured-text and all with --controller): radius of the circle on which the contour error is predicted; left out: 10 mm")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, c, structured-text, cia402 and all with --controller): radius of the circle on which the contour error is predicted; left out: 10 mm")
       ->type_name("LENGTH");
   verb.add_option(
           "--machine", what.machine,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, cia402, structured-text and all with --controller): virtual machine for the prediction; left out: axes that are what was identified")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg, c, structured-text, cia402 and all with --controller): virtual machine for the prediction; left out: axes that are what was identified")
       ->type_name("MACHINE.toml");
 }
 

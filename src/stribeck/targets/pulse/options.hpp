@@ -11,7 +11,7 @@ inline void refuse_pulse_options(const ExportRequest& o) {
   const auto refuse = [](const char* option) {
     workflow::refuse_option(
         option,
-        "applies only to --to sinumerik, tnc and fanuc, and with --controller also to isg, cia402, structured-text and all");
+        "applies only to --to sinumerik, tnc and fanuc, and with --controller also to isg, c, structured-text, cia402 and all");
   };
   if (!o.controller.empty()) refuse("--controller");
   if (!o.machine.empty()) refuse("--machine");

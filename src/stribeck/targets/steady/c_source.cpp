@@ -1,10 +1,81 @@
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <stribeck/targets/steady/table_source.hpp>
 
 namespace stribeck::targets {
 
 namespace {
+
+/// The force of a motion, without bristles: x_force(acceleration, velocity, position).
+std::string plain_force(const std::string& axis) {
+  return fmt::format(
+      "/* Force [N] for a motion of the command: acceleration [m/s2]. */\n"
+      "static double {0}_force(double acceleration, double velocity, double position) {{\n"
+      "  return {0}_mass * acceleration + {0}_friction(velocity, position) + {0}_load;\n"
+      "}}\n",
+      axis);
+}
+
+/// Numbers of the stops, in two arrays, or of the one bristle.
+std::string bristle_constants(const std::string& axis, const friction::BuildUp& bristles) {
+  if (bristles.stops.empty())
+    return fmt::format("static const double {}_distance = {:.9e}; /* m/N */\n", axis, bristles.distance);
+  std::string weights, rates;
+  for (const friction::Stop& stop : bristles.stops) {
+    weights += fmt::format("{}{:.9e}", weights.empty() ? "" : ", ", stop.weight);
+    rates += fmt::format("{}{:.9e}", rates.empty() ? "" : ", ", 2.0 * stop.weight / stop.reach);
+  }
+  const std::size_t count = bristles.stops.size();
+  return fmt::format(
+      "static const double {0}_weight[{1}] = {{{2}}}; /* share of the friction */\n"
+      "static const double {0}_stiffness[{1}] = {{{3}}}; /* N/m */\n",
+      axis, count, weights, rates);
+}
+
+/// The same with friction that builds up after a reversal (pre_sliding.hpp): x_force(memory, acceleration, velocity, position).
+std::string force_with_memory(const std::string& axis, const friction::BuildUp& bristles) {
+  const std::size_t count = std::max<std::size_t>(bristles.stops.size(), 1);
+  std::string out =
+      bristle_constants(axis, bristles) +
+      fmt::format(
+          "/* What the axis remembers; begin with zeros: struct {0}_memory m = {{0}}; */\n"
+          "struct {0}_memory {{\n"
+          "  int begun, backward;\n"
+          "  double before;    /* m */\n"
+          "  double built[{1}]; /* -1 to 1 in sum */\n"
+          "}};\n"
+          "/* Force [N] for a motion of the command: acceleration [m/s2]. Once in every cycle, also at standstill. */\n"
+          "static double {0}_force(struct {0}_memory *m, double acceleration, double velocity, double position) {{\n"
+          "  const double travel = m->begun ? position - m->before : 0.0;\n"
+          "  double level, other, share = 0.0;\n"
+          "  m->begun = 1;\n"
+          "  m->before = position;\n"
+          "  if (velocity != 0.0) m->backward = velocity < 0.0;\n"
+          "  {0}_parts(velocity, m->backward, position, &level, &other);\n",
+          axis, count);
+  if (bristles.stops.empty()) {
+    out += fmt::format(
+        "  if (level > 0.0 && travel != 0.0) {{\n"
+        "    const double side = travel > 0.0 ? 1.0 : -1.0;\n"
+        "    m->built[0] = side + (m->built[0] - side) * exp(-fabs(travel) / ({0}_distance * level));\n"
+        "  }}\n"
+        "  share = m->built[0];\n",
+        axis);
+  } else {
+    out += fmt::format(
+        "  for (int i = 0; i < {1}; ++i) {{\n"
+        "    if (level > 0.0) {{\n"
+        "      const double most = {0}_weight[i], now = m->built[i] + {0}_stiffness[i] * travel / level;\n"
+        "      m->built[i] = now > most ? most : now < -most ? -most : now;\n"
+        "    }}\n"
+        "    share += m->built[i];\n"
+        "  }}\n",
+        axis, count);
+  }
+  return out +
+         fmt::format("  return {0}_mass * acceleration + share * level + other + {0}_load;\n}}\n", axis);
+}
 
 Form write_c(const Axis& axis) {
   const SourceTables tables(axis);
@@ -31,8 +102,8 @@ Form write_c(const Axis& axis) {
       "  while (s > speed[i]) ++i;\n"
       "  return force[i - 1] + (force[i] - force[i - 1]) * (s - speed[i - 1]) / (speed[i] - speed[i - 1]);\n"
       "}}\n"
-      "/* Friction [N] at a velocity [m/s] and a position [m], as in the log that it was identified from. */\n"
-      "static double {0}_friction(double velocity, double position) {{\n"
+      "/* Friction against the motion [N], and forces that do not turn with it. */\n"
+      "static void {0}_parts(double velocity, int backward, double position, double *against, double *beside) {{\n"
       "  double level = 0.0, other = 0.0;\n",
       n);
   for (const auto& t : axis.model.friction.eccentric) {
@@ -46,24 +117,33 @@ Form write_c(const Axis& axis) {
         spring->stiffness, spring->zero_at, spring->lowest(), spring->highest());
   form.text += fmt::format(
       "  (void)position;\n"
-      "  if (velocity > 0.0) return other + level + {0}_at({0}_positive_speed, {0}_positive_force, {1}, velocity);\n"
-      "  if (velocity < 0.0) return other - level - {0}_at({0}_negative_speed, {0}_negative_force, {2}, -velocity);\n"
-      "  return other;\n"
+      "  *against = level + (backward ? {0}_at({0}_negative_speed, {0}_negative_force, {2}, -velocity)\n"
+      "                               : {0}_at({0}_positive_speed, {0}_positive_force, {1}, velocity));\n"
+      "  *beside = other;\n"
       "}}\n"
-      "/* Force [N] for a motion of the command: acceleration [m/s2]. */\n"
-      "static double {0}_force(double acceleration, double velocity, double position) {{\n"
-      "  return {0}_mass * acceleration + {0}_friction(velocity, position) + {0}_load;\n"
+      "/* Friction [N] while sliding at a velocity [m/s] and a position [m], as in the log that it was identified from. */\n"
+      "static inline double {0}_friction(double velocity, double position) {{\n"
+      "  double level, other;\n"
+      "  {0}_parts(velocity, velocity < 0.0, position, &level, &other);\n"
+      "  return other + (velocity > 0.0 ? level : velocity < 0.0 ? -level : 0.0);\n"
       "}}\n",
       n, tables.positive.size(), tables.negative.size());
+  form.bristles = friction::build_up_of(axis.model.friction.dynamics);
+  form.pre_sliding = form.bristles.has_value();
+  form.text += form.bristles ? force_with_memory(n, *form.bristles) : plain_force(n);
   form.to_do =
-      "Include the file and add NAME_force() of the commanded motion to the force of the position loop. Check its sign first: "
-      "at a constant positive velocity it must push in the positive direction.";
+      form.bristles
+          ? "Include the file, keep a struct NAME_memory for each axis, call NAME_force() once in every cycle with the commanded motion, and add "
+            "it to the force of the position loop. Check its sign first: at a constant positive velocity it must push in the positive direction."
+          : "Include the file and add NAME_force() of the commanded motion to the force of the position loop. Check its sign first: "
+            "at a constant positive velocity it must push in the positive direction.";
   return form;
 }
 
 }  // namespace
 
 extern const SteadyTarget kC;
-const SteadyTarget kC{"c", "C source with fixed tables", "/*", SteadyNeeds::kNothing, write_c};
+const SteadyTarget kC{
+    .name = "c", .what = "C source with fixed tables", .comment = "/*", .write = write_c, .on_circle = true};
 
 }  // namespace stribeck::targets

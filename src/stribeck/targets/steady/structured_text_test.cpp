@@ -155,6 +155,36 @@ TEST(StructuredText, TheTorqueOffsetIsTheSameInPerMille) {
   EXPECT_THAT(offset.to("cia402").text, Not(HasSubstr("pre-sliding")));
 }
 
+TEST(CSource, TheForceWithBristlesIsThatOfStructuredText) {
+  for (
+      const std::string dynamics :
+      {"kind = \"lugre\"\nsigma0 = \"800 N/mm\"\n",
+       "kind = \"gms\"\nattraction = \"1e9 N/s\"\nelements = [{ stiffness = \"3000 N/mm\", share = 0.6 }, { stiffness = \"90 N/mm\", share = "
+       "0.4 }]\n"}) {
+    SteadyExport x(kSteadyAxis + std::string("[friction.dynamics]\n") + dynamics);
+    const std::vector<Sample> motion = sine(3000);
+    const std::vector<double> expected = run(x, "structured-text", motion);
+    x.request.output = x.folder / "x.h";
+    EXPECT_THAT(x.to("c").text, Not(HasSubstr("pre-sliding")));
+    const std::string main = x.folder.write(
+        "main.c",
+        "#include <stdio.h>\n#include \"x.h\"\nint main(void) {\n  struct x_memory m = {0};\n  double a, v, p;\n"
+        "  while (scanf(\"%lf %lf %lf\", &a, &v, &p) == 3) printf(\"%.15g\\n\", x_force(&m, a, v, p));\n  return 0;\n}\n");
+    const std::string program = x.folder / "program", out = x.folder / "c.txt";
+    ASSERT_EQ(
+        std::system(("cc -std=c99 -Wall -Wextra -Werror -o '" + program + "' '" + main + "' -lm").c_str()),
+        0);
+    ASSERT_EQ(std::system(("'" + program + "' < '" + (x.folder / "in.txt") + "' > '" + out + "'").c_str()),
+              0);
+    std::istringstream values(text_of(out));
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      double force = 0.0;
+      ASSERT_TRUE(values >> force);
+      ASSERT_NEAR(force, expected[k], 1e-6) << k;
+    }
+  }
+}
+
 // Friction that builds up over some ten micrometres: an offset that jumps does harm there, one with bristles none.
 TEST(StructuredText, TheCircleHasWhatTheBristlesGain) {
   PulseExport x("cia402", kBristles);
