@@ -49,8 +49,7 @@ class RecordsOfAxis {
  public:
   explicit RecordsOfAxis(const LogOptions& options) {
     axis_.axis = options.axis;
-    if (!options.drive.sample_time.empty())
-      axis_.control_period = io::to_si(options.drive.sample_time, quantity("s", "ms"));
+    axis_.control_period = control_period(options);
   }
 
   void add(CleanedLog log) {

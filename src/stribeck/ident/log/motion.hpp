@@ -31,6 +31,12 @@
 
 namespace stribeck::ident::log {
 
+/// For how long a command stands before the next one comes [s]: a row, or the period of the control (0: not known) in a log of
+/// every n-th command.
+inline double hold_of(double control_period, double sample_time) noexcept {
+  return control_period > 0.0 && control_period < sample_time ? control_period : sample_time;
+}
+
 struct Motion {
   double sample_time = 0.0;      ///< [s]
   Loop loop = Loop::kAutomatic;  ///< as found: never kAutomatic

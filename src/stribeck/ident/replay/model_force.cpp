@@ -374,8 +374,7 @@ OwnFit Scored::best_fit(double expected) const {
 
 void Scored::fit_own() {
   const double T = record_.sample_time;
-  const double expected =
-      -0.5 - model_.delay_or_none() / T;  // a held force belongs to the motion half a row later
+  const double expected = expected_shift(model_, record_, options_.control_period) / T;
   const bool given = options_.shift.has_value();
   OwnFit fit = given ? fit_from(*options_.shift / T, true) : best_fit(expected);
   judge(fit);
@@ -432,7 +431,7 @@ void Scored::judge(const OwnFit& fit) {
   Index j = 0;
   if (X.cols() > 2 * std::ssize(phase)) {
     const double half = uncertainty.half_width(VectorXd::Unit(X.cols(), j++));
-    const double off = std::abs(shift + 0.5 + model_.delay_or_none() / T);
+    const double off = std::abs(shift - expected_shift(model_, record_, options_.control_period) / T);
     out_.shift_half = half * T;
     out_.shifted = std::isfinite(half) && std::abs(shift) < kMostShift && off > std::max(half, kWorthShift);
   }
@@ -456,6 +455,11 @@ void Scored::judge(const OwnFit& fit) {
 }
 
 }  // namespace
+
+// A held force belongs to the motion half of its hold later, without any delay (log/motion.hpp).
+double expected_shift(const friction::AxisModel& model, const log::Record& record, double control_period) {
+  return -0.5 * log::hold_of(control_period, record.sample_time) - model.delay_or_none();
+}
 
 ForceError force_error(const friction::AxisModel& model, const log::Record& record,
                        const ForceOptions& options) {

@@ -10,8 +10,8 @@
 /// most, and decimated by a smaller whole number.
 ///
 /// The protocol pairs force k with motion k. The other two errors take out what belongs to the record and not to the
-/// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: −½ row and the model's delay, unless
-/// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
+/// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: half of that hold and the model's delay
+/// earlier, unless the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
 /// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v,
 /// sgn v, x, 1 and the friction of a model with bristles take what a wrong mass, friction, load or a spring leaves: a model that is wrong in these is
 /// not late.
@@ -49,6 +49,7 @@ struct ForceOptions {
   double row_time = 10e-3;      ///< between decimated rows, at least [s]
   std::size_t drop = 49;        ///< rows at the start
   std::optional<double> shift;  ///< known shift of the force [s]; absent: estimated
+  double control_period = 0.0;  ///< over which a command is held, in a log of every n-th one [s]; 0: a row
   bool of_log = false;          ///< whether `of_log` is wanted; it costs as much as the rest
   double told_from =
       0.0;  ///< slowest speed whose friction the model tells [m/s]: friction of slower rows is not compared
@@ -108,6 +109,9 @@ struct ForceError {
 /// as in a slide with v[0]; at rest, with the force `push` [N] on the axis.
 std::vector<double> friction_along(const friction::Model& model, std::span<const double> x,
                                    std::span<const double> v, double period, double push);
+
+/// Shift of a force under its hold that begins after the delay of the model [s].
+double expected_shift(const friction::AxisModel& model, const log::Record& record, double control_period);
 
 ForceError force_error(const friction::AxisModel& model, const log::Record& record,
                        const ForceOptions& options = {});

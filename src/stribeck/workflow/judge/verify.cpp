@@ -22,6 +22,7 @@
 namespace stribeck::workflow {
 namespace {
 
+using ident::replay::expected_shift;
 using ident::replay::kMostGivenShift;
 using report::VerifyReportInput;
 
@@ -163,18 +164,22 @@ std::optional<double> given_shift(const VerifyOptions& o, const ident::log::Reco
   return shift;
 }
 
-/// What belongs to the record and not to the axis, in words. `expected`: the shift of the model [s]; absent: one was given.
+/// What belongs to the record and not to the axis, in words. `expected`: the shift of the model [s]; absent: one was given. `held`: how
+/// long a command stands is not known and was taken for one row of so many seconds; 0: it is known.
 void note_differences(const std::string& file, const ident::replay::ForceError& e,
-                      const std::optional<double>& expected, const ident::Shown& shown,
+                      const std::optional<double>& expected, double held, const ident::Shown& shown,
                       std::vector<std::string>& warnings) {
   if (e.shifted && expected) {
     const double off = e.shift - *expected;
     warnings.push_back(fmt::format(
-        "{}: in this log the force is {:.3g} ± {:.2g} ms {} than in the model{}; the time shift was removed before the comparison",
+        "{}: in this log the force is {:.3g} ± {:.2g} ms {} than in the model{}{}; the time shift was removed before the comparison",
         file, 1e3 * std::abs(off), 1e3 * e.shift_half, off > 0.0 ? "later" : "earlier",
         e.or_pre_sliding ? ", or it rises over a distance after each reversal: the model has no pre-sliding, "
                            "and this motion does not tell which (identify with slow jogs)"
-                         : ""));
+                         : "",
+        off > 0.0 && off < 0.5 * held
+            ? ", or the log has every n-th command: the machine file as the first argument says how long one stands"
+            : ""));
   }
   for (const ident::replay::RecordPhase& p : e.phases) {
     if (!p.differs) continue;
@@ -203,15 +208,13 @@ void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<s
 /// that is not what a model misses. It is the same for all models.
 std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& models,
                                                     const ident::log::Record& record,
-                                                    const std::optional<double>& shift,
+                                                    const ident::replay::ForceOptions& force,
                                                     std::vector<std::string>& notes) {
   constexpr double kMuch = 0.05;      // of the force
   constexpr double kMuchLess = 0.5;   // of the error
   constexpr double kSameMass = 0.15;  // of the mass of the file
   constexpr double kSlowest =
       4.0;  // [Hz]: the third harmonic of friction in a slow sine looks like a slower one
-  ident::replay::ForceOptions force;
-  force.shift = shift;
   for (const Model& m : models) {
     const double with = ident::replay::force_error(m.model, record, force).moving_relative;
     if (!(with > kMuch)) continue;
@@ -219,7 +222,7 @@ std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& mo
     model.mass = m.model.mass;
     model.load = m.model.load;
     model.friction = m.model.friction;
-    model.given_shift = shift.value_or(-m.model.delay_or_none() - 0.5 * record.sample_time);
+    model.given_shift = force.shift.value_or(expected_shift(m.model, record, force.control_period));
     const auto elastic = ident::residual::diagnose({record}, model).elastic;
     if (!elastic || elastic->frequency < kSlowest ||
         std::abs(elastic->mass - model.mass) > kSameMass * model.mass)
@@ -241,22 +244,23 @@ std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& mo
 /// misses. The filter is found without the models, so it is the same for all.
 std::optional<ident::log::Record> as_before_filter(const std::vector<Model>& models,
                                                    const ident::log::Record& record,
-                                                   const std::optional<double>& shift,
+                                                   const ident::replay::ForceOptions& force,
                                                    std::vector<std::string>& notes) {
   constexpr double kMuch = 0.02;     // of the force
   constexpr double kMuchLess = 0.8;  // of the error
   constexpr double kLate = 0.5;      // rows
-  ident::replay::ForceOptions force;
-  force.shift = shift;
   std::optional<ident::log::Record> before;
   for (const Model& m : models) {
     const ident::replay::ForceError with = ident::replay::force_error(m.model, record, force);
-    const double late = shift ? ident::replay::force_error(m.model, record).shift : with.shift;
+    ident::replay::ForceOptions found = force;
+    found.shift.reset();
+    const double late = force.shift ? ident::replay::force_error(m.model, record, found).shift : with.shift;
     if (!(with.moving_relative > kMuch) || !(late > kLate * record.sample_time)) continue;
     if (!before) {
       ident::drive::DriveFitOptions options;
       options.dynamics = false;
-      if (shift) options.shift = *shift / record.sample_time;
+      options.control_period = force.control_period;
+      if (force.shift) options.shift = *force.shift / record.sample_time;
       try {
         const ident::Result own = ident::drive::identify_drive({record}, options);
         if (!own.filter) return {};
@@ -345,10 +349,12 @@ class Verification {
               logged.force_unit, logged.position_unit));
     }
     std::vector<std::string> notes;
-    const std::optional<double> shift = given_shift(o_, logged);
-    const std::optional<ident::log::Record> before = as_before_filter(models_, logged, shift, notes);
+    ident::replay::ForceOptions force;
+    force.shift = given_shift(o_, logged);
+    force.control_period = control_period(log_);
+    const std::optional<ident::log::Record> before = as_before_filter(models_, logged, force, notes);
     const std::optional<ident::log::Record> rigid =
-        as_of_rigid_drive(models_, before ? *before : logged, shift, notes);
+        as_of_rigid_drive(models_, before ? *before : logged, force, notes);
     const ident::log::Record& record = rigid ? *rigid : before ? *before : logged;
     report::VerifiedPart part;
     ident::replay::ReplayOptions closed;
@@ -357,38 +363,34 @@ class Verification {
       note_controller(record, *part.controller);
       closed.added = part.controller->added;
     }
-    for (const Model& m : models_) part.models.push_back(score(m, record, shift, closed, notes));
+    for (const Model& m : models_) part.models.push_back(score(m, record, force, closed, notes));
     page_.warnings.insert(page_.warnings.end(), notes.begin(), notes.end());
     part.record = record;
     page_.parts.push_back(std::move(part));
   }
 
   report::VerifiedModel score(const Model& m, const ident::log::Record& record,
-                              const std::optional<double>& shift, ident::replay::ReplayOptions closed,
+                              ident::replay::ForceOptions force, ident::replay::ReplayOptions closed,
                               std::vector<std::string>& notes) const {
     report::VerifiedModel one;
     one.name = m.file;
     const auto [low, high] = std::minmax_element(record.x.begin(), record.x.end());
     one.travel = *high - *low;
-    ident::replay::ForceOptions force;
-    force.shift = shift;
     force.of_log = true;
     force.told_from = m.told_from;
     one.force = ident::replay::force_error(m.model, record, force);
-    // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
-    const double expected = -0.5 * record.sample_time - m.model.delay_or_none();
-    note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
-                     notes);
+    const double expected = expected_shift(m.model, record, force.control_period);
+    note_differences(m.file, one.force, force.shift ? std::nullopt : std::optional(expected),
+                     force.control_period > 0.0 ? 0.0 : record.sample_time, ident::Shown(record), notes);
     note_rest(m, one.force, notes);
     one.told_from = m.told_from;
     if (std::string missed = missed_in_words(m.file, m.model, one.force, record); !missed.empty())
       notes.push_back(std::move(missed));
     note_beyond_spring(m, record, notes);
     ident::replay::ReplayOptions open;
-    if (shift || one.force.shifted)
-      open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
-                               kMostGivenShift * record.sample_time) -
-                   0.5 * record.sample_time;
+    const double most = kMostGivenShift * record.sample_time;
+    const double shift = force.shift.value_or(one.force.shifted ? one.force.shift : expected);
+    open.delay = -std::clamp(shift, -most, most) - 0.5 * record.sample_time;
     run_open(m, record, open, one, notes);
     // A measured force stands late in the log and acts at once.
     closed.delay = std::max(0.0, open.delay);

@@ -83,12 +83,16 @@ std::string six_digits(const std::string& quantity) {
   return fmt::format("{:.6g}{}", value, quantity.substr(blank));
 }
 
+double control_period(const LogOptions& options) {
+  if (options.drive.sample_time.empty()) return 0.0;
+  return io::to_si(options.drive.sample_time, quantity("s", "ms"));
+}
+
 io::Log read_log(const std::string& path, const LogOptions& options) {
   io::ReadOptions read;
   if (!options.sample_time.empty())
     read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
-  if (!options.drive.sample_time.empty())
-    read.machine_period = io::to_si(options.drive.sample_time, quantity("s", "ms"));
+  if (!options.drive.sample_time.empty()) read.machine_period = control_period(options);
   for (const std::string& text : options.maps) {
     if (text.rfind("t=", 0) != 0) continue;
     // Only the name as it is written; a unit after it, with a factor or without, is handled later.

@@ -46,6 +46,9 @@ LogOptions with_map_file(LogOptions options, const std::string& map_file);
 /// Keys of a map file, for the reference page.
 std::vector<io::KeyInfo> map_file_keys();
 
+/// Period of the control as the machine file has it [s]; 0: not known.
+double control_period(const LogOptions& options);
+
 /// Any log, as io::read_log; a given sample time replaces a missing time column.
 io::Log read_log(const std::string& path, const LogOptions& options);
 
