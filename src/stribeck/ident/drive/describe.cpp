@@ -241,9 +241,9 @@ void Description::write_speeds(int s) {
 void Description::write_shift() {
   const log::Record& record = found_.log.records.front();
   const double T = record.sample_time;
-  const double hold = options_.control_period > 0.0 ? std::min(options_.control_period, T) : T;
-  const auto tell_delay = [&](double shift) {
-    if (!record.measured) result_.delay = delay_of(shift, T, hold);
+  const double hold = log::hold_of(options_.control_period, T);
+  const auto tell_delay = [&](double shift, double open) {
+    if (!record.measured) result_.delay = delay_of(shift, open, T, hold);
   };
   const double half = found_.intervals.factor * found_.intervals.shift_error;
   const auto say = [&](const char* what) {
@@ -257,18 +257,18 @@ void Description::write_shift() {
   describe_filter(record, result_, notes_);
   if (options_.shift) {
     result_.given_shift = *options_.shift * T;
-    tell_delay(*options_.shift);
+    tell_delay(*options_.shift, 0.0);
   }
   if (!found_.terms.shift) {
     if (half > kVagueShift)
       say("the force is taken as commanded, but");
     else if (!options_.shift)
-      tell_delay(kHeldForce);
+      tell_delay(kHeldForce, 0.0);
     return;
   }
   const double shift = found_.log.shift;
   const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
-  if (told) tell_delay(shift);  // what is not told, no controller gets
+  if (told) tell_delay(shift, half);  // what is not told, no controller gets
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;
   if (!told) say("the one with the smallest residual is removed, but");

@@ -117,6 +117,20 @@ TEST(Describe, AMeasuredForceShowsNoDelay) {
   DriveFitOptions fast;
   fast.control_period = 0.25e-3;
   EXPECT_DOUBLE_EQ(*describe(steps.found(), fast, notes).delay, 4.5e-3 - 0.125e-3);
+  // Held for half a row, a command without delay stands at −0.25 rows.
+  const auto delay_at = [&](double shift, double error) {
+    steps.log.log.shift = shift;
+    steps.found_intervals.shift_error = error;
+    DriveFitOptions fourth;
+    fourth.control_period = 0.5e-3;
+    return describe(steps.found(), fourth, notes).delay;
+  };
+  ASSERT_TRUE(delay_at(-0.22, 0.02));
+  EXPECT_EQ(*delay_at(-0.22, 0.02), 0.0);
+  EXPECT_NEAR(*delay_at(-0.28, 0.02), 0.03e-3, 1e-9);
+  EXPECT_FALSE(delay_at(-0.22, 0.005));
+  EXPECT_FALSE(delay_at(0.55, 0.02));
+  EXPECT_FALSE(delay_at(-0.22, 5.0));  // nothing tells the shift
   (*steps.log.records)[0].measured = true;
   EXPECT_FALSE(describe(steps.found(), {}, notes).delay);
 }

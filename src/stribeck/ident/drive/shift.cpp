@@ -253,10 +253,10 @@ double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& te
       .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
 }
 
-std::optional<double> delay_of(double shift, double sample_time, double hold) {
+std::optional<double> delay_of(double shift, double half, double sample_time, double hold) {
   constexpr double kRounding = 1e-9;  // rows
   const double delay = -shift * sample_time - 0.5 * hold;
-  if (delay < -kRounding * sample_time) return {};
+  if (delay < -std::max(kRounding, half) * sample_time) return {};
   return std::max(0.0, delay);
 }
 

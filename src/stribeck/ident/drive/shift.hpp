@@ -39,8 +39,8 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit);
 double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit);
 
 /// Delay of the drive [s] by the shift of the force [rows]. A command that is held for `hold` [s] belongs to the motion half of that later
-/// without any delay (motion.hpp). A force that stands later in the log was measured: it acts at once, and shows no delay of its
-/// command. Absent then.
-std::optional<double> delay_of(double shift, double sample_time, double hold);
+/// without any delay (motion.hpp). No delay is below 0: where the interval of the shift, ± `half` [rows], holds one of 0, it is the estimate
+/// or 0. A force that stands later than that in the log was measured: it acts at once, and shows no delay of its command. Absent then.
+std::optional<double> delay_of(double shift, double half, double sample_time, double hold);
 
 }  // namespace stribeck::ident::drive
