@@ -116,10 +116,11 @@ struct Result {
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   std::optional<double>
       delay{};  ///< from the command of a force to the beginning of its hold [s]; absent: the log does not tell it
-  std::optional<double> given_shift{};     ///< given time by which the force is later than its motion [s]
-  std::optional<ForceFilter> filter{};     ///< of the drive, that was taken off the force before the fit
-  bool level_drifts = false;               ///< friction rises or falls over the time of a log
-  double load = 0.0;                       ///< constant force against +x, e.g. a weight [N]
+  std::optional<double> given_shift{};  ///< given time by which the force is later than its motion [s]
+  std::optional<ForceFilter> filter{};  ///< of the drive, that was taken off the force before the fit
+  double cut_off = 0.0;       ///< of a given or found low-pass of the motion [Hz]; 0: the window of its noise
+  bool level_drifts = false;  ///< friction rises or falls over the time of a log
+  double load = 0.0;          ///< constant force against +x, e.g. a weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;
   std::vector<CurvePoint> curve;                                   ///< ascending velocity

@@ -404,6 +404,7 @@ std::optional<BeforeFilter> before_filter_of(Fitted& logged, const DriveFitOptio
 struct Finer {
   DriveFitOptions options;
   Fitted fitted;
+  std::string words;
 };
 
 /// Absent where no ripple is hidden, or the finer fit does not find it.
@@ -428,7 +429,13 @@ std::optional<Finer> with_hidden_ripple(const Fitted& found, std::span<const log
   finer.cut_off = ripple->cut_off;
   try {
     Fitted out = fit_both(records, finer, nullptr);
-    if (has(out)) return Finer{finer, std::move(out)};
+    if (!has(out)) return {};
+    const Shown shown(records.front());
+    return Finer{
+        finer, std::move(out),
+        text("the low-pass for the noise of the encoder hides a force that repeats every %s: everything was "
+             "identified behind one of %.3g Hz, which shows it",
+             shown.length(ripple->period).c_str(), finer.cut_off)};
   } catch (const Refused&) {
     // The low-pass leaves too few rows.
   }
@@ -446,6 +453,7 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
   if (options.dynamics) add_bristle(result, fitted.found(), notes);
   result.open = open_model(fitted.found(), result);
   result.level_drifts = !drift.friction.empty();
+  result.cut_off = options.cut_off;
   for (const std::string& words : {drift.offset, drift.friction}) {
     if (!words.empty()) notes.warn(words);
   }
@@ -464,19 +472,25 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
     found = std::move(before->fitted);
   }
   DriveFitOptions used = options;
+  std::string hidden;
   if (auto finer = with_hidden_ripple(found, found.placed.stage.log.records, options)) {
     used = finer->options;
+    hidden = std::move(finer->words);
     found = std::move(finer->fitted);
   }
   DriftWords drift = words_of_drift(found.found(), found.drift);
-  if (found.steady.empty()) return finished(std::move(found), used, drift);
+  const auto done = [&](Fitted fitted) {
+    Result result = finished(std::move(fitted), used, drift);
+    if (!hidden.empty()) result.warnings.push_back(std::move(hidden));
+    return result;
+  };
+  if (found.steady.empty()) return done(std::move(found));
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
   Fitted level = fit_both(found.steady, used, &found.drift);
-  if (!(level.result.held_out_rms < found.result.held_out_rms))
-    return finished(std::move(found), used, drift);
+  if (!(level.result.held_out_rms < found.result.held_out_rms)) return done(std::move(found));
   // The drift of friction that was taken out is still said.
   drift.offset = words_of_drift(level.found(), level.drift).offset;
-  return finished(std::move(level), used, drift);
+  return done(std::move(level));
 }
 
 }  // namespace stribeck::ident::drive

@@ -90,6 +90,7 @@ class Collector {
     one.record = &r;
     log::MotionOptions options;
     options.shift = shift_in_rows(result_, r.sample_time);
+    options.cut_off = result_.cut_off;  // what the fit did not see is no error of it
     one.motion = log::reconstruct(r, options);
     const log::Motion& m = one.motion;
     // As it stands in the log: the mean over a hold would take off a part of a fast line.

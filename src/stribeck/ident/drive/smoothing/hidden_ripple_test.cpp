@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -5,6 +6,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/drive/smoothing/hidden_ripple.hpp>
+#include <stribeck/ident/residual/residual.hpp>
 #include <vector>
 
 namespace stribeck::ident::drive::hidden_ripple_test {
@@ -74,7 +76,20 @@ TEST(HiddenRipple, TheDriveFitHasIt) {
   EXPECT_LT(found.mass_interval.low, 1.8);
   EXPECT_GT(found.mass_interval.high, 1.8);
   EXPECT_NEAR(found.mass, 1.8, 0.05) << found.mass_interval.low << " " << found.mass_interval.high;
-  EXPECT_TRUE(identify_drive(printer(0.0), {}).friction.eccentric.empty());
+  const Result smooth = identify_drive(printer(0.0), {});
+  EXPECT_TRUE(smooth.friction.eccentric.empty());
+  EXPECT_EQ(smooth.cut_off, 0.0);
+}
+
+// The sentence on the quality was that of the window which hid the ripple, and no word said that another low-pass was used.
+TEST(HiddenRipple, TheLowPassThatShowsItIsSaid) {
+  const std::vector<log::Record> records = printer(0.6);
+  const Result found = identify_drive(records, {});
+  EXPECT_GT(found.cut_off, 75.0);  // the frequency of the ripple at the top speed
+  EXPECT_THAT(found.warnings, ::testing::Contains(::testing::AllOf(
+                                  ::testing::HasSubstr("hides a force that repeats every 799 um"),
+                                  ::testing::HasSubstr("Hz, which shows it"))));
+  EXPECT_EQ(residual::diagnose(records, found).quality.cut_off, found.cut_off);
 }
 
 }  // namespace
