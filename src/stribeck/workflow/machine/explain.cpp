@@ -98,10 +98,13 @@ class Explanation {
   /// What no machine has: most likely a slip of a unit, mm/min for m/min, m/s² for mm/s².
   [[nodiscard]] std::string implausible() const {
     const sim::AxisLimits& l = a_.limits;
-    constexpr double kGravity = 9.80665;  // [m/s²]
-    constexpr double kMost = 1000.0;      // of it
-    if (const double needed = 0.5 * l.speed * l.speed / l.acceleration, there = l.travel_max - l.travel_min;
-        needed > there)
+    constexpr double kGravity = 9.80665;        // [m/s²]
+    constexpr double kMost = 1000.0;            // of it
+    constexpr double kTurn = 2.0 * kPi - 1e-3;  // [rad]
+    const double needed = 0.5 * l.speed * l.speed / l.acceleration, there = l.travel_max - l.travel_min;
+    // An axis with a whole turn of travel may go on turning.
+    const bool endless = a_.rotary && there >= kTurn;
+    if (needed > there && !endless)
       return fmt::format(
           ". Attention: the travel is {} {}, so that the axis never reaches its speed: check the units of speed and acceleration",
           short_number(there * u_.per_metre), u_.travel);

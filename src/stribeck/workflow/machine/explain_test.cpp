@@ -28,6 +28,27 @@ std::string said_of(const std::string& speed, const std::string& acceleration) {
   return line == x.lines.end() ? std::string() : line->note;
 }
 
+/// The same of an axis that turns.
+std::string said_of_turns(const std::string& travel_max) {
+  const MachineDescription m = parse_description(
+      fmt::format("name = \"m\"\nsample_time = \"2 ms\"\n[axes.c]\nrotary = true\n"
+                  "limits = {{ travel_min = \"0 deg\", travel_max = \"{}\", speed = \"200 rpm\", "
+                  "acceleration = \"300 deg/s2\" }}\n"
+                  "commissioning = {{ mass = \"2 kg m2\", friction = \"5 N m\" }}\n",
+                  travel_max),
+      "m.toml");
+  const ExplainedAxis c = explain(m, 0);
+  const auto line = std::find_if(c.lines.begin(), c.lines.end(),
+                                 [](const Explained& e) { return e.what == "acceleration"; });
+  return line == c.lines.end() ? std::string() : line->note;
+}
+
+// A turntable that turns without end reaches every speed, though its travel is written as one turn.
+TEST(Explain, ATurntableHasNoTravelThatIsTooShort) {
+  EXPECT_THAT(said_of_turns("360 deg"), AllOf(HasSubstr("2400 deg"), Not(HasSubstr("Attention"))));
+  EXPECT_THAT(said_of_turns("220 deg"), HasSubstr("Attention: the travel is 220 deg, so that"));
+}
+
 TEST(Explain, LimitsThatNoMachineHasAreMarked) {
   EXPECT_EQ(said_of("30 m/min", "4 m/s2"), "top speed after 0.125 s and 31.2 mm");
   EXPECT_THAT(said_of("30 m/min", "4 mm/s2"),
