@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::log::parts {
@@ -131,6 +132,7 @@ std::vector<NoForce> moved_without_force(const Table& m) {
 void cut_moved_without_drive(std::vector<Table>& tables, Notes& notes) {
   constexpr double kMostZero = 0.2;  // of the rows: more is a programme with pauses
   if (!notes.wanted("drive-off")) return;
+  const std::string source = tables.empty() ? std::string() : tables.front().source;
   std::vector<Table> out;
   for (Table& m : tables) {
     const auto zeros = static_cast<double>(std::count(m.f.begin(), m.f.end(), 0.0));
@@ -161,7 +163,12 @@ void cut_moved_without_drive(std::vector<Table>& tables, Notes& notes) {
     }
     keep(m.rows());
   }
-  if (!out.empty()) tables = std::move(out);
+  if (out.empty() && !tables.empty())
+    throw Refused(fmt::format(
+        "{}: the rows in which the force is exactly 0 while the axis moves leave no stretch of {} rows (switch the drive on and record "
+        "again; or keep these rows with --keep drive-off)",
+        source, kFewestRows));
+  tables = std::move(out);
 }
 
 void find_saturation(std::vector<Table>& tables, Notes& notes) {
