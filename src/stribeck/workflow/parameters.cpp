@@ -290,11 +290,13 @@ std::array<double, 2> told_speeds(const Parameters& parameters, std::size_t axis
 
 }  // namespace
 
-std::vector<std::string> unknown_delays(const sim::Machine& machine, const Parameters& parameters) {
+std::vector<std::string> unknown_delays(const sim::Machine& machine, const sim::CompareSpec& spec,
+                                        const Parameters& parameters) {
   std::vector<std::string> all;
-  for (std::size_t i = 0; i < parameters.files.size(); ++i) {
+  for (const std::size_t i : sim::chosen_axes(machine, spec)) {
     const friction::AxisModel* model = parameters.files[i].empty() ? nullptr : parameters.knowledge[i].best();
-    if (model == nullptr || model->delay || model->drive_loop) continue;
+    if (model == nullptr || model->delay || model->drive_loop || machine.axes[i].second.known_loop())
+      continue;
     all.push_back(fmt::format(
         "axis {}: {} does not say the delay of the drive, so the margins count with none and the gains may be too high; write it there, "
         "e.g. delay = \"{:.3g} ms\", from the data sheet of drive and fieldbus, or measure it (stribeck frequency with the commanded force)",

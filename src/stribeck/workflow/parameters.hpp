@@ -28,8 +28,10 @@ struct Parameters {
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                           const ParameterOptions& options, const sim::CompareSpec& spec);
 
-/// Axis files that do not say the delay of the drive, on which every margin of a loop depends: one warning each.
-std::vector<std::string> unknown_delays(const sim::Machine& machine, const Parameters& parameters);
+/// Axis files that do not say the delay of the drive, on which every margin of a loop depends: one warning each. Of axes that rest, and
+/// of drives with a loop of their own, the delay has no effect.
+std::vector<std::string> unknown_delays(const sim::Machine& machine, const sim::CompareSpec& spec,
+                                        const Parameters& parameters);
 
 /// Warns of axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine
 /// that the result has. There a change of friction that adaptation found says nothing about the machine: its verdict becomes

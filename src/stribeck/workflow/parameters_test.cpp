@@ -64,6 +64,22 @@ kind = "static"
   EXPECT_THAT(said("x"), testing::IsEmpty());
 }
 
+// The file of an axis that rests, and of a drive with a loop of its own, was blamed for the delay that it does not say.
+TEST(Parameters, ADelayWithoutEffectIsNotMissed) {
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  sim::Machine machine = read_virtual_machine(machine_file);
+  sim::CompareSpec spec;
+  spec.axes = {0};
+  Parameters p;
+  p.files = {"x.toml", "y.toml"};
+  p.knowledge.resize(2);
+  for (sim::AxisKnowledge& known : p.knowledge) known.whole.emplace().mass = 60.0;
+  EXPECT_THAT(unknown_delays(machine, spec, p),
+              testing::ElementsAre(testing::HasSubstr("x.toml does not say the delay of the drive")));
+  machine.axes[0].second.drive_loop.emplace();
+  EXPECT_THAT(unknown_delays(machine, spec, p), testing::IsEmpty());
+}
+
 // The axis is simulated as this model: an identification from simulated logs would find it again, after half a minute.
 TEST(Parameters, TheModelThatIsSimulatedIsNotIdentifiedAgain) {
   const test::Folder folder;
@@ -106,13 +122,13 @@ kind = "static"
   EXPECT_NEAR(p.knowledge[0].gaussian->friction.parts(3e-3, 0.0).level, 45.0, 0.1);
   EXPECT_NEAR(p.knowledge[0].conventional->friction.parts(3e-3, 0.0).level, 40.0, 0.3);
   EXPECT_THAT(p.assumed, testing::Contains(testing::HasSubstr("axis y does not move here")));
-  EXPECT_THAT(unknown_delays(machine, p), testing::IsEmpty());
+  EXPECT_THAT(unknown_delays(machine, spec, p), testing::IsEmpty());
   EXPECT_THAT(p.assumed, testing::Not(testing::Contains(testing::HasSubstr("says that it is of axis"))));
   std::string without = io::read_text(model);
   without.erase(without.find("delay"), std::string("delay = \"0 ms\"\n").size());
   options.axis_files = {"x=" + folder.write("no-delay.toml", without.c_str())};
   EXPECT_THAT(
-      unknown_delays(machine, get_parameters(machine, machine_file, options, spec)),
+      unknown_delays(machine, spec, get_parameters(machine, machine_file, options, spec)),
       testing::ElementsAre(testing::AllOf(testing::StartsWith("axis x: "),
                                           testing::HasSubstr("does not say the delay of the drive"))));
   std::string other = io::read_text(model);
