@@ -406,6 +406,19 @@ CauseWords words_of(const Diagnosis& d, CauseKind kind) {
       true};
 }
 
+CauseWords words_of(const Diagnosis& d, const Cause& cause) {
+  if (cause.size < 0.0 && cause.kind == CauseKind::kReversalSpike)
+    return {"the axis goes too far after it has reversed: its friction compensation pushes too much",
+            "the friction compensation of this axis is too strong: reduce its force, then repeat the circle",
+            true};
+  if (cause.size < 0.0 && cause.kind == CauseKind::kBacklash && d.own_encoder)
+    return {
+        "the position is ahead of its command by this distance after each reversal: a compensation of this axis pushes too far",
+        "the compensation of friction or backlash of this axis is too strong: reduce it, then repeat the circle",
+        true};
+  return words_of(d, cause.kind);
+}
+
 CauseWords words_of(CauseKind kind) {
   switch (kind) {
     case CauseKind::kReversalSpike:

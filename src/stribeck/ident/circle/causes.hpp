@@ -99,6 +99,8 @@ struct CauseWords {
 CauseWords words_of(CauseKind kind);
 /// The same for what was measured: play is not seen by the motor's own encoder, friction of a soft loop is.
 CauseWords words_of(const Diagnosis& diagnosis, CauseKind kind);
+/// The same for its sign: a compensation that pushes too much is to be reduced, not switched on.
+CauseWords words_of(const Diagnosis& diagnosis, const Cause& cause);
 
 }  // namespace stribeck::ident::circle
 

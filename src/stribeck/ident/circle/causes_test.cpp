@@ -442,6 +442,18 @@ TEST(Causes, WhatEncodersOfTheAxesCannotSeeIsNotToBeSetRight) {
     EXPECT_EQ(words_of(Diagnosis{}, kind).meaning, words_of(kind).meaning);
   }
   EXPECT_THAT(std::string(words_of(own, CauseKind::kCentre).meaning), Not(HasSubstr("instrument")));
+  // A compensation that pushes too much is on already.
+  const auto next_of = [](const Diagnosis& of, CauseKind kind, double size) {
+    Cause cause;
+    cause.kind = kind;
+    cause.size = size;
+    return std::string(words_of(of, cause).next_step);
+  };
+  EXPECT_THAT(next_of({}, CauseKind::kReversalSpike, -3e-6), HasSubstr("too strong: reduce"));
+  EXPECT_THAT(next_of({}, CauseKind::kReversalSpike, 3e-6), HasSubstr("switch on friction compensation"));
+  EXPECT_THAT(next_of(own, CauseKind::kBacklash, -3e-6), HasSubstr("too strong: reduce"));
+  EXPECT_THAT(next_of(own, CauseKind::kBacklash, 3e-6), HasSubstr("compensate it"));
+  EXPECT_THAT(next_of({}, CauseKind::kBacklash, -3e-6), HasSubstr("a negative one lowers it"));
   EXPECT_THAT(std::string(words_of(Diagnosis{}, CauseKind::kCentre).meaning), HasSubstr("instrument"));
 }
 

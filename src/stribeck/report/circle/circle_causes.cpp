@@ -42,7 +42,7 @@ bool only_looks_like(const Diagnosis& d, const Cause& c) {
 std::string cured(const Diagnosis& d, const Cause& c) {
   if (is_set_up(c.kind)) return "no fault";
   if (only_looks_like(d, c)) return "not seen";
-  return words_of(d, c.kind).parameter ? "yes" : "no";
+  return words_of(d, c).parameter ? "yes" : "no";
 }
 
 /// "reversal spike y (3.93 µm) and backlash x (2.00 µm)" of the first causes that are not the set-up, with their effects.
@@ -82,7 +82,7 @@ std::string next_step(const Diagnosis& d, const Cause& c) {
   const bool open = c.kind == CauseKind::kBacklash || c.kind == CauseKind::kSquareness ||
                     c.kind == CauseKind::kScaleMismatch || c.kind == CauseKind::kStraightness ||
                     c.kind == CauseKind::kCyclic;
-  const std::string next(words_of(d, c.kind).next_step);
+  const std::string next(words_of(d, c).next_step);
   if (d.own_encoder && (c.kind == CauseKind::kBacklash || only_looks_like(d, c)))
     return next;  // nothing is set right by it
   return open && !d.both_directions ? "measure the other direction too, then " + next : next;
@@ -109,7 +109,7 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
         micrometres(d.span), micrometres(d.rest_rms));
     for (const Cause& c : d.causes) {
       if (!c.found) continue;
-      const auto words = words_of(d, c.kind);
+      const auto words = words_of(d, c);
       const std::string figures = printed_figures(c);
       out += fmt::format("{}: {}{}. Next: {}.\n", cause_name(d, c), words.meaning,
                          figures.empty() ? "" : " (" + figures + ")", next_step(d, c));
@@ -137,7 +137,7 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
                    {"what to do", "", false}};
   for (const Cause& c : d.causes) {
     if (!c.found) continue;
-    const auto words = words_of(d, c.kind);
+    const auto words = words_of(d, c);
     table.rows.push_back(
         {Cell{.text = cause_name(d, c), .best = table.rows.empty()},
          Cell{.text = micrometres(c.size), .spread = "± " + significant(c.half_width * kMicro, 2)},
@@ -181,7 +181,7 @@ nlohmann::ordered_json causes_json(const Diagnosis& d, double radius) {
   out["causes"] = io::Json::array();
   int place = 0;
   for (const Cause& c : d.causes) {
-    const auto words = words_of(d, c.kind);
+    const auto words = words_of(d, c);
     io::Json one{{"cause", enum_name(c.kind)},
                  {"axis", c.axis ? io::Json(d.axes[static_cast<std::size_t>(*c.axis)]) : io::Json(nullptr)},
                  {"found", c.found},

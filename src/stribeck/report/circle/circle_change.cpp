@@ -111,6 +111,8 @@ constexpr const char* kRepeatability =
 std::string_view CircleChange::verdict() const {
   if (!std::isfinite(half_width)) return "not known: one lap";
   if (std::abs(difference()) <= half_width) return "within the repeatability";
+  if (before * after < 0.0 && std::abs(std::abs(after) - std::abs(before)) <= half_width)
+    return after < 0.0 ? "turned round (overcompensated)" : "turned round";
   return std::abs(after) < std::abs(before) ? "smaller" : "larger";
 }
 
