@@ -18,8 +18,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A sine of two frequencies, with the force that a rigid axis of 100 kg with 20 N and 200 N·s/m needs.
-std::string log_text(double omega, double coulomb, std::uint32_t seed) {
+/// A sine of two frequencies, with the force that a rigid axis of 100 kg with 20 N and 200 N·s/m needs. The axis is `behind` its
+/// reference by this time [s].
+std::string log_text(double omega, double coulomb, std::uint32_t seed, double behind = 0.01) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> noise(0.0, 0.2);
   std::string text = "t [s],r [mm],x [mm],f [N]\n";
@@ -33,7 +34,7 @@ std::string log_text(double omega, double coulomb, std::uint32_t seed) {
     const double a = 1e-3 * omega * omega *
                      (15.0 * std::cos(omega * middle) + 4.0 * 2.7 * 2.7 * std::cos(2.7 * omega * middle));
     const double f = 100.0 * a + 200.0 * v + (v > 0.0 ? coulomb : -coulomb) + noise(generator);
-    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.4f}\n", t, x_at(t), x_at(t), f);
+    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.4f}\n", t, x_at(t + behind), x_at(t), f);
   }
   return text;
 }
@@ -71,6 +72,24 @@ TEST(Commission, SaysWhatToRecordNext) {
   EXPECT_THAT(one.out, AllOf(HasSubstr("Axis x: not verified"), HasSubstr("--method position-sine"),
                              HasSubstr("x-verify.csv")));
   EXPECT_FALSE(std::filesystem::exists(stages.folder / "axes/x.toml"));
+}
+
+// The command was logged as the position: mass and friction were those of the command, "ready" on another such log.
+TEST(Commission, PromotesNothingFromALogOfTheCommand) {
+  const Stages stages;
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1, 0.0));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2, 0.0));
+  const Said said = stages.run();
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("x-sine.csv: the position is its command"),
+                    HasSubstr("x-verify.csv: the position is its command"),
+                    HasSubstr("record the position of the encoder"), HasSubstr("--keep commanded")));
+  EXPECT_FALSE(std::filesystem::exists(stages.folder / "axes/x.toml"));
+  EXPECT_EQ(stages.run({"--keep", "commanded"}).code, 0);
+  const Said identified = command({"identify", stages.folder / "logs/x-sine.csv"});
+  EXPECT_THAT(identified.out + identified.err,
+              HasSubstr("the position is the command, so that all numbers and their intervals"));
 }
 
 TEST(Commission, PromotesAVerifiedModelAndDoesNothingTwice) {

@@ -8,8 +8,8 @@
 
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/methods/position_map.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/io/units.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
 #include <stribeck/workflow/log/fingerprint.hpp>
@@ -65,6 +65,7 @@ class RecordsOfAxis {
     axis_.rotary = axis_.rotary || log.rotary;
     for (const ident::log::Finding& f : log.log.findings) {
       if (f.kind == "irregular") axis_.irregular = log.name;
+      if (f.kind == "commanded") axis_.commanded = log.name;
     }
     if (log.encoders) axis_.encoders.push_back(std::move(*log.encoders));
     for (std::string& note : log.notes) {
@@ -104,6 +105,14 @@ AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& op
   RecordsOfAxis records(options);
   for (const std::string& path : logs) records.add(cleaned(read_log(path, options), path, options));
   return std::move(records).all();
+}
+
+AxisRecords measured(AxisRecords axis) {
+  if (axis.commanded.empty()) return axis;
+  throw ident::Refused(
+      axis.commanded +
+      ": the position is its command and no measured one, so that it tells neither mass nor friction of the axis: record the position "
+      "of the encoder, or map its column (--map x=...); --keep commanded takes the log all the same");
 }
 
 AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options) {

@@ -395,6 +395,11 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
         ": the rows were taken at irregular times, so that neither speeds nor accelerations are known; only force over position at "
         "rest could be told (record with a fixed period, or with the times at which the rows were taken; leave this log out where there "
         "are others)");
+  if (!axis.commanded.empty())
+    result.cannot_tell.push_back(
+        "mass and friction of the axis: in " + axis.commanded +
+        " the position is the command, so that all numbers and their intervals are those of an axis that follows its command exactly; "
+        "record the position of the encoder");
   result.rotary = axis.rotary;
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   doubt_size(result);

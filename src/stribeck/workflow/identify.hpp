@@ -63,6 +63,7 @@ struct AxisRecords {
   bool rotary = false;                                    ///< travel is the arc at a radius of 1 m
   std::vector<ident::lost_motion::Positions> encoders{};  ///< of logs with two positions
   std::string irregular{};      ///< a log whose rows were taken at irregular times; empty: none
+  std::string commanded{};      ///< a log whose position is its command; empty: none
   double control_period = 0.0;  ///< of the machine file [s]; 0: not known
   bool as_commanded = false;    ///< the shift of the force is not searched: it is taken as held for each row
 };
@@ -86,6 +87,9 @@ void check_options(const IdentifyOptions& options);
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options);
 /// The same with logs that were read already.
 AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options);
+
+/// Throws ident::Refused when the position of a log is its command; else the same.
+AxisRecords measured(AxisRecords axis);
 
 /// The result with all warnings. Refuses a mass that is not determined, unless the method determines no mass.
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options);

@@ -69,7 +69,7 @@ std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescript
   std::vector<Recordings> recordings(all.size());
   for (const std::string& file : files_in(o.folder)) {
     const auto take = [&](const LogsOfAxis& one) {
-      const AxisRecords read = read_axis({file}, one.options);
+      const AxisRecords read = measured(read_axis({file}, one.options));
       for (std::size_t i = 0; i < all.size(); ++i) {
         if (all[i].axis != one.axis) continue;
         const std::string copy = recordings[i].add(file, Fingerprint(read.records), all[i].logs);
