@@ -132,6 +132,32 @@ TEST(Verify, NamesFrictionOfOneDirectionAndWhatRepeats) {
   EXPECT_THAT(wave.out + wave.err, HasSubstr("every 5 mm"));
 }
 
+// The mass makes most of the force, so that the error of the force is small: 14 N beside 35 N of friction were "good".
+TEST(Verify, AnOffsetThatALargePartOfFrictionIsCounts) {
+  const Folder folder;
+  std::string heavy = kAxis;
+  heavy.replace(heavy.find("100 kg"), 6, "1500 kg");
+  const std::string axis = folder.write("axis.toml", heavy);
+  const auto log_with = [&](double offset) {
+    std::string text = "t [s],r [mm],x [mm],f [N]\n";
+    for (int k = 0; k < 4000; ++k) {
+      const double w = 6.0, t = 0.002 * k, mid = t + 0.001, v = 0.02 * w * std::sin(w * mid);
+      const double x = 20.0 * (1.0 - std::cos(w * t));
+      text += std::to_string(t) + ',' + std::to_string(x) + ',' + std::to_string(x) + ',' +
+              std::to_string(1500.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v + (v > 0 ? 20.0 : -20.0) +
+                             offset) +
+              '\n';
+    }
+    return folder.write("log.csv", text);
+  };
+  EXPECT_EQ(command({"verify", axis, log_with(0.0)}).code, 0);
+  EXPECT_THAT(command({"verify", axis, log_with(0.0)}).out, HasSubstr("axis.toml is good"));
+  const Said off = command({"verify", axis, log_with(14.0)});
+  EXPECT_EQ(off.code, 1);
+  EXPECT_THAT(off.out, AllOf(HasSubstr("axis.toml is not usable"),
+                             HasSubstr("the constant force, a load or an offset, is 13")));
+}
+
 TEST(Verify, NoticesAnotherAxisAndAnotherController) {
   const Folder folder;
   const std::string axis = folder.write("x.toml", "axis = \"x\"\n" + kAxis);

@@ -11,34 +11,34 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Mean speed of a fifth of the rows around a rank, and friction of the model against the motion there.
-struct End {
+/// Mean speed of some rows, and friction of the model against the motion there.
+struct Place {
   double speed = 0.0, friction = 0.0;
 };
-End end_of(const ForceRows& of, const std::vector<std::size_t>& by_speed, bool slow) {
-  const std::size_t fifth = by_speed.size() / 5;
-  const std::size_t from = slow ? 0 : by_speed.size() - fifth;
-  End end;
-  for (std::size_t j = from; j < from + fifth; ++j) {
-    const std::size_t k = by_speed[j];
-    end.speed += std::abs(of.velocity[k]);
-    end.friction += of.velocity[k] > 0.0 ? of.friction[k] : -of.friction[k];
+Place mean_of(const ForceRows& of, std::span<const std::size_t> rows) {
+  Place mean;
+  for (const std::size_t k : rows) {
+    mean.speed += std::abs(of.velocity[k]);
+    mean.friction += of.velocity[k] > 0.0 ? of.friction[k] : -of.friction[k];
   }
-  end.speed /= static_cast<double>(fifth);
-  end.friction /= static_cast<double>(fifth);
-  return end;
+  mean.speed /= static_cast<double>(rows.size());
+  mean.friction /= static_cast<double>(rows.size());
+  return mean;
 }
 
 }  // namespace
 
 double FrictionChange::certain() const noexcept {
-  return std::isfinite(share) && std::isfinite(half_width) ? std::max(0.0, std::abs(share) - half_width)
-                                                           : 0.0;
+  return std::isfinite(share) && std::isfinite(half_width)
+             ? std::max(0.0, std::abs(share) - half_width - varies)
+             : 0.0;
 }
 
 FrictionChanges friction_changes(const ForceRows& of, const std::vector<std::size_t>& rows) {
   constexpr std::size_t kFewest = 50;
-  constexpr double kTold = 0.1;  // half width of what is told
+  constexpr double kTold = 0.1;          // half width of what is told
+  constexpr double kOfLoad = 0.05;       // that a counterbalance varies by
+  constexpr double kFewestOfSide = 0.2;  // of the rows
   if (rows.size() < kFewest) return {};
   Eigen::MatrixXd X(static_cast<Index>(rows.size()), 4);
   VectorXd missed(X.rows());
@@ -58,15 +58,34 @@ FrictionChanges friction_changes(const ForceRows& of, const std::vector<std::siz
   std::sort(by_speed.begin(), by_speed.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(of.velocity[a]) < std::abs(of.velocity[b]);
   });
-  const auto change_at = [&](const End& end) -> FrictionChange {
-    if (!(end.friction > 0.0)) return {};
+  // `side`: 1 forward, −1 backward, 0 both, where a load does not count.
+  const auto change_at = [&](const Place& at, double side) -> FrictionChange {
+    if (!(at.friction > 0.0)) return {};
     VectorXd share = VectorXd::Zero(4);
-    share(0) = 1.0 / (scale(0) * end.friction);
-    share(1) = end.speed / (scale(1) * end.friction);
-    const FrictionChange change{share.dot(by), uncertainty.half_width(share), end.speed};
+    share(0) = 1.0 / (scale(0) * at.friction);
+    share(1) = at.speed / (scale(1) * at.friction);
+    share(3) = side / (scale(3) * at.friction);
+    const FrictionChange change{share.dot(by), uncertainty.half_width(share), at.speed,
+                                std::abs(side) * kOfLoad * std::abs(of.load) / at.friction};
     return change.half_width < std::max(kTold, 0.25 * std::abs(change.share)) ? change : FrictionChange{};
   };
-  return {change_at(end_of(of, by_speed, true)), change_at(end_of(of, by_speed, false))};
+  const std::span<const std::size_t> sorted(by_speed);
+  const std::size_t fifth = by_speed.size() / 5;
+  FrictionChanges out;
+  out.slow = change_at(mean_of(of, sorted.first(fifth)), 0.0);
+  out.fast = change_at(mean_of(of, sorted.last(fifth)), 0.0);
+  const auto middle = std::stable_partition(by_speed.begin(), by_speed.end(),
+                                            [&](std::size_t k) { return of.velocity[k] > 0.0; });
+  const auto forward = static_cast<std::size_t>(middle - by_speed.begin());
+  const std::size_t backward = by_speed.size() - forward;
+  if (static_cast<double>(std::min(forward, backward)) < kFewestOfSide * static_cast<double>(by_speed.size()))
+    return out;
+  out.forward = change_at(mean_of(of, sorted.first(forward)), 1.0);
+  out.backward = change_at(mean_of(of, sorted.last(backward)), -1.0);
+  const VectorXd load = VectorXd::Unit(4, 3) / scale(3);
+  out.load = load.dot(by);
+  out.load_half_width = uncertainty.half_width(load);
+  return out;
 }
 
 }  // namespace stribeck::ident::replay

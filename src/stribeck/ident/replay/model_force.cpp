@@ -175,8 +175,8 @@ class Scored {
       out_.untold = 1.0 - static_cast<double>(told.size()) / static_cast<double>(moving_.size());
     const Column friction =
         thin(friction_along(sliding, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load));
-    out_.friction =
-        friction_changes({out_.measured, out_.modelled, friction, out_.velocity, out_.acceleration}, told);
+    out_.friction = friction_changes(
+        {out_.measured, out_.modelled, friction, out_.velocity, out_.acceleration, model_.load}, told);
   }
 
   /// Friction that rises after each reversal over a distance [m], with the sign of the motion.

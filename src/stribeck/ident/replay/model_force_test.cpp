@@ -125,6 +125,35 @@ TEST(ForceError, FrictionCountsBesideAHeavyMass) {
   }
 }
 
+// 35 % more forward and 35 % less backward is no change of friction that both directions share.
+TEST(ForceError, ALoadCountsInEachDirection) {
+  Truth truth;
+  truth.mass = 1500.0;
+  truth.ripple = 0.0;
+  friction::AxisModel model = model_of(truth);
+  model.friction.eccentric.clear();
+  Truth pulled = truth;
+  pulled.load += 9.0;
+  const FrictionChanges changed = force_error(model, sine_log(pulled, -0.5e-3, 1.0)).friction;
+  EXPECT_LT(changed.slow.certain(), 0.01);
+  EXPECT_LT(changed.fast.certain(), 0.01);
+  EXPECT_NEAR(changed.load, 9.0, 0.5);
+  EXPECT_LT(changed.load_half_width, 0.5);
+  // The mean speed of the sine is 64 mm/s: 12.7 N of viscous friction.
+  EXPECT_NEAR(changed.forward.share, 9.0 / 32.7, 0.03);
+  EXPECT_NEAR(changed.backward.share, -9.0 / 32.7, 0.03);
+  EXPECT_GT(changed.forward.certain(), 0.2);
+  // A counterbalance of 200 N varies by that.
+  model.load += 200.0, pulled.load += 200.0;
+  const FrictionChanges heavy = force_error(model, sine_log(pulled, -0.5e-3, 1.0)).friction;
+  EXPECT_NEAR(heavy.forward.share, changed.forward.share, 1e-3);
+  EXPECT_EQ(heavy.forward.certain(), 0.0);
+  // Of one direction nothing is told.
+  log::Record ahead = sine_log(pulled, -0.5e-3, 1.0);
+  for (std::vector<double>* column : {&ahead.t, &ahead.x, &ahead.f}) column->resize(1500);
+  EXPECT_TRUE(std::isnan(force_error(model, ahead).friction.load));
+}
+
 TEST(ForceError, FindsTheShiftOfTheRecord) {
   const Truth truth;
   for (const double late : {-0.5e-3, 0.0, 3.3e-3, 12e-3}) {

@@ -1,5 +1,6 @@
 #pragma once
-/// Inside of verify_report.hpp: verify_scores.cpp has tables, words and JSON, verify_report.cpp drawings and the page.
+/// Inside of verify_report.hpp: verify_verdict.cpp has the verdict and its sentence, verify_scores.cpp tables and JSON, verify_report.cpp
+/// drawings and the page.
 /// Inside report only. Real time: no.
 
 #include <cstddef>

@@ -68,9 +68,12 @@ struct Verdict {
   bool moving = false;  ///< of the force where the axis moves: rests would make most of the error
   bool of_force = true;
   double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
-  ident::replay::FrictionChange friction{};                  ///< of the logs, beside that of the model
-  double untold = 0.0;     ///< share of the rows in motion that are slower than the model tells
-  double told_from = 0.0;  ///< [m/s]
+  ident::replay::FrictionChange
+      friction{};  ///< of the logs, beside that of the model, in both directions together
+  ident::replay::FrictionChange forward{}, backward{};  ///< in one direction
+  ident::replay::FrictionChange load{};  ///< constant force beside that of the model: its "share" is in N
+  double untold = 0.0;                   ///< share of the rows in motion that are slower than the model tells
+  double told_from = 0.0;                ///< [m/s]
   Grade grade = Grade::kNotUsable;
 };
 

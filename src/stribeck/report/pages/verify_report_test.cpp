@@ -159,6 +159,38 @@ TEST(VerifyReport, FrictionThatIsOffLowersTheVerdict) {
   EXPECT_TRUE(usable(in));
 }
 
+// 35 % more in one direction and 35 % less in the other were "good": both together are right.
+TEST(VerifyReport, ALoadThatIsOffLowersTheVerdict) {
+  VerifyReportInput in = two_models(false);
+  ident::replay::FrictionChanges& friction = in.parts[0].models[0].force.friction;
+  friction.slow = {0.01, 0.01, 0.01};
+  friction.forward = {0.35, 0.01, 0.05}, friction.backward = {-0.34, 0.01, 0.05};
+  friction.load = 7.0, friction.load_half_width = 0.2;
+  Verdict v = verdicts(in)[0];
+  EXPECT_EQ(v.grade, Grade::kNotUsable);
+  EXPECT_THAT(
+      text_table(in),
+      HasSubstr(
+          "but friction is 35 ± 1 % more forward and 34 ± 1 % less backward than that of the file: "
+          "the constant force, a load or an offset, is 7 N ± 0.2 N more than in the file (good up to 10 %"));
+  const auto json = to_json(in)["verdicts"][0];
+  EXPECT_EQ(json["forward_friction_more_percent"], 35.0);
+  EXPECT_EQ(json["backward_friction_more_percent"], -34.0);
+  EXPECT_EQ(json["load_more_N"], 7.0);
+  // A load of which a twentieth is a third of friction: a counterbalance varies by that, however many parts show it.
+  friction.forward.varies = friction.backward.varies = 0.33;
+  in.parts.insert(in.parts.end(), 9, in.parts[0]);
+  EXPECT_EQ(verdicts(in)[0].grade, Grade::kGood);
+  // One direction alone is friction that changed.
+  for (VerifiedPart& part : in.parts) {
+    part.models[0].force.friction.forward = {0.2, 0.01, 0.05};
+    part.models[0].force.friction.backward = {0.02, 0.01, 0.05};
+  }
+  EXPECT_EQ(verdicts(in)[0].grade, Grade::kUsable);
+  EXPECT_THAT(text_table(in), AllOf(HasSubstr("20 ± 0.32 % more forward and 2 ± 0.32 % more backward"),
+                                    testing::Not(HasSubstr("offset"))));
+}
+
 // A file that tells friction from 40 mm/s on is not refused by a log that creeps.
 TEST(VerifyReport, ALogSlowerThanTheFileTellsDecidesNothing) {
   VerifyReportInput in = two_models(false);

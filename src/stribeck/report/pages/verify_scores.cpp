@@ -21,25 +21,6 @@ using io::number_or_null;
 
 std::string percent(double share) { return std::isfinite(share) ? decimals(100.0 * share, 2) : "–"; }
 
-/// Sum of squares over all parts of what a share and its RMS belong to.
-struct Pooled {
-  double error = 0.0;
-  double measured = 0.0;
-  bool exact = false;  ///< in one part at least
-
-  void add(double relative, double rms, std::size_t rows) {
-    if (!std::isfinite(relative) || !std::isfinite(rms)) return;
-    exact = exact || relative == 0.0;
-    if (relative == 0.0) return;
-    const double square = rms * rms * static_cast<double>(rows);
-    error += square;
-    measured += square / (relative * relative);
-  }
-  [[nodiscard]] double share() const {
-    return measured > 0.0 ? std::sqrt(error / measured) : exact ? 0.0 : kNaN;
-  }
-};
-
 /// A drift, in words where it is longer than the way that the axis went.
 std::string drift_text(double drift, const VerifiedModel& m, const ShownUnits& u) {
   return drift > m.travel ? "> travel" : significant(drift * u.per_position, 3);
@@ -121,6 +102,10 @@ Json force_json(const ident::replay::ForceError& e) {
   };
   change("slow", e.friction.slow);
   change("fast", e.friction.fast);
+  change("forward", e.friction.forward);
+  change("backward", e.friction.backward);
+  out["load_more_N"] = number_or_null(e.friction.load);
+  out["load_more_half_width_N"] = number_or_null(e.friction.load_half_width);
   out["shift_ms"] = number_or_null(1e3 * e.shift);
   out["shift_half_width_ms"] = number_or_null(1e3 * e.shift_half);
   out["shift_differs"] = e.shifted;
@@ -184,157 +169,6 @@ std::string model_color(std::size_t i) {
   constexpr std::array<std::string_view, 6> kModelColors{"#0072b2", "#d55e00", "#009e73",
                                                          "#cc79a7", "#e69f00", "#56b4e9"};
   return std::string(kModelColors[i % kModelColors.size()]);
-}
-
-std::string_view name_of(Grade grade) noexcept {
-  switch (grade) {
-    case Grade::kGood:
-      return "good";
-    case Grade::kUsable:
-      return "usable";
-    case Grade::kUndecided:
-      return "undecided";
-    case Grade::kNotUsable:
-      break;
-  }
-  return "not usable";
-}
-
-namespace {
-
-/// By the force alone. The part of the error that the log itself causes does not count against the model.
-Grade grade_of_force(const Verdict& v, const GradeLimits& limits) {
-  if (!std::isfinite(v.error)) return Grade::kUndecided;
-  if (100.0 * v.error <= limits.good) return Grade::kGood;
-  if (100.0 * v.error <= limits.usable) return Grade::kUsable;
-  const double of_log = std::isfinite(v.of_log) ? v.of_log : 0.0;
-  const double of_model = std::sqrt(std::max(0.0, v.error * v.error - of_log * of_log));
-  return 100.0 * of_model <= limits.usable ? Grade::kUndecided : Grade::kNotUsable;
-}
-
-/// Friction of the logs that differs for certain by more than its limit.
-bool friction_beyond(const Verdict& v, double limit) {
-  return 100.0 * v.friction.certain() > GradeLimits::kOfFriction * limit;
-}
-
-/// Whether most of the log is slower than the speeds that the file knows of.
-bool mostly_untold(const Verdict& v) { return v.untold > 0.5; }
-
-/// The force of a motion of much acceleration is that of the mass: friction counts beside it.
-Grade grade_of(const Verdict& v, const GradeLimits& limits) {
-  const Grade by_force = grade_of_force(v, limits);
-  if (friction_beyond(v, limits.usable)) return Grade::kNotUsable;
-  if (by_force == Grade::kNotUsable && mostly_untold(v)) return Grade::kUndecided;
-  return by_force == Grade::kGood && friction_beyond(v, limits.good) ? Grade::kUsable : by_force;
-}
-
-/// Of all parts, each with the weight of its interval; where they disagree, the one that is further off for certain.
-struct PooledFriction {
-  double sum = 0.0, speed = 0.0, weight = 0.0;
-  ident::replay::FrictionChange most{};
-  bool more = false, less = false;  ///< for certain, in one part at least
-
-  void add(const ident::replay::FrictionChange& c) {
-    if (!std::isfinite(c.share) || !(c.half_width > 0.0)) return;
-    const double w = 1.0 / (c.half_width * c.half_width);
-    sum += w * c.share, speed += w * c.speed, weight += w;
-    if (c.certain() > most.certain()) most = c;
-    if (c.certain() > 0.0) (c.share > 0.0 ? more : less) = true;
-  }
-  [[nodiscard]] ident::replay::FrictionChange change() const {
-    if (!(weight > 0.0)) return {};
-    if (more && less) return most;
-    return {sum / weight, std::sqrt(1.0 / weight), speed / weight};
-  }
-};
-
-/// The one that leaves more beyond its interval; the other one where it is not told.
-ident::replay::FrictionChange larger(const ident::replay::FrictionChange& a,
-                                     const ident::replay::FrictionChange& b) {
-  if (!std::isfinite(a.share)) return b;
-  return b.certain() > a.certain() ? b : a;
-}
-
-/// Friction that the verdict is lower for, in words; empty: none.
-std::string friction_in_words(const Verdict& v, const VerifyReportInput& input) {
-  if (!friction_beyond(v, input.limits.good)) return {};
-  const ident::Shown shown(input.parts.front().record);
-  return fmt::format(
-      ", but friction at {} is {:.3g} ± {:.2g} % {} than that of the file (good up to {} %, usable up to {} %)",
-      shown.speed(v.friction.speed), 100.0 * std::abs(v.friction.share), 100.0 * v.friction.half_width,
-      v.friction.share > 0.0 ? "more" : "less", short_number(GradeLimits::kOfFriction * input.limits.good),
-      short_number(GradeLimits::kOfFriction * input.limits.usable));
-}
-
-}  // namespace
-
-std::vector<Verdict> verdicts(const VerifyReportInput& input) {
-  std::vector<Verdict> all;
-  if (input.parts.empty()) return all;
-  for (std::size_t i = 0; i < input.parts.front().models.size(); ++i) {
-    const bool moving = std::any_of(input.parts.begin(), input.parts.end(), [&](const VerifiedPart& p) {
-      return i < p.models.size() && p.models[i].force.of_rests();
-    });
-    Pooled force, velocity, of_log;
-    PooledFriction slow, fast;
-    double untold = 0.0, in_motion = 0.0;
-    for (const VerifiedPart& part : input.parts) {
-      if (i >= part.models.size()) continue;
-      const VerifiedModel& m = part.models[i];
-      const ident::replay::ForceError& f = m.force;
-      const double relative = moving ? f.moving_relative : f.own_relative;
-      const double rms = moving ? f.moving_rms : f.own_rms;
-      const double noise = moving ? f.of_log_moving : f.of_log;
-      const std::size_t rows = moving ? f.moving : f.row.size();
-      force.add(relative, rms, rows);
-      of_log.add(noise, noise * rms / relative, rows);
-      slow.add(f.friction.slow), fast.add(f.friction.fast);
-      untold += f.untold * static_cast<double>(f.moving), in_motion += static_cast<double>(f.moving);
-      velocity.add(m.open.restarted.velocity_relative, m.open.restarted.velocity_rms, part.record.x.size());
-    }
-    Verdict v;
-    v.name = input.parts.front().models[i].name;
-    v.of_force = std::isfinite(force.share());
-    v.moving = v.of_force && moving;
-    v.error = v.of_force ? force.share() : velocity.share();
-    if (v.of_force) v.of_log = of_log.share();
-    v.friction = larger(slow.change(), fast.change());
-    v.untold = in_motion > 0.0 ? untold / in_motion : 0.0;
-    v.told_from = input.parts.front().models[i].told_from;
-    v.grade = grade_of(v, input.limits);
-    all.push_back(std::move(v));
-  }
-  return all;
-}
-
-bool usable(const VerifyReportInput& input) {
-  const std::vector<Verdict> all = verdicts(input);
-  return std::any_of(all.begin(), all.end(),
-                     [](const Verdict& v) { return v.grade == Grade::kGood || v.grade == Grade::kUsable; });
-}
-
-std::string sentence(const Verdict& v, const VerifyReportInput& input) {
-  const GradeLimits& limits = input.limits;
-  if (!std::isfinite(v.error))
-    return v.name + " is undecided: the log is too short to compare forces, and no run in open loop is left.";
-  if (v.grade == Grade::kUndecided && mostly_untold(v)) {
-    const ident::Shown shown(input.parts.front().record);
-    return fmt::format(
-        "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but in {:.0f} % of the motion the axis is slower "
-        "than {}, from which on the file tells friction: verify with a faster motion, or identify slow jogs.",
-        v.name, percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
-        short_number(limits.usable), 100.0 * v.untold, shown.speed(v.told_from));
-  }
-  if (v.grade == Grade::kUndecided) {
-    return fmt::format(
-        "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",
-        v.name, percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
-        short_number(limits.usable), percent(v.of_log));
-  }
-  return fmt::format("{} is {}: error of the {} {} %{} (good up to {} %, usable up to {} %){}.", v.name,
-                     name_of(v.grade), v.of_force ? "force" : "velocity", percent(v.error),
-                     v.moving ? " where the axis moves" : "", short_number(limits.good),
-                     short_number(limits.usable), friction_in_words(v, input));
 }
 
 Table score_table(const VerifiedPart& part) {
@@ -439,6 +273,9 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
                       {"friction_more_percent", number_or_null(100.0 * v.friction.share)},
                       {"friction_more_half_width_percent", number_or_null(100.0 * v.friction.half_width)},
                       {"friction_at_mm_per_s", number_or_null(1e3 * v.friction.speed)},
+                      {"forward_friction_more_percent", number_or_null(100.0 * v.forward.share)},
+                      {"backward_friction_more_percent", number_or_null(100.0 * v.backward.share)},
+                      {"load_more_N", number_or_null(v.load.share)},
                       {"verdict", std::string(name_of(v.grade))}});
   }
   out["verdicts"] = std::move(judged);
