@@ -204,6 +204,9 @@ TEST(VerifyReport, ALogSlowerThanTheFileTellsDecidesNothing) {
   EXPECT_THAT(text_table(in),
               HasSubstr("in 90 % of the motion the axis is slower than 40 mm/s, from which on the file "
                         "tells friction: verify with a faster motion"));
+  EXPECT_EQ(to_json(in)["verdicts"][1]["untold_percent"], 90.0);
+  EXPECT_EQ(to_json(in)["verdicts"][1]["told_from_mm_per_s"], 40.0);
+  EXPECT_EQ(to_json(in)["parts"][0]["models"][1]["force"]["untold_percent"], 90.0);
   m.force.friction.fast = {0.5, 0.01, 0.1};  // at speeds that the file tells
   EXPECT_EQ(verdicts(in)[1].grade, Grade::kNotUsable);
 }

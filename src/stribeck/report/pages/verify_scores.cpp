@@ -106,6 +106,7 @@ Json force_json(const ident::replay::ForceError& e) {
   change("backward", e.friction.backward);
   out["load_more_N"] = number_or_null(e.friction.load);
   out["load_more_half_width_N"] = number_or_null(e.friction.load_half_width);
+  out["untold_percent"] = number_or_null(100.0 * e.untold);
   out["shift_ms"] = number_or_null(1e3 * e.shift);
   out["shift_half_width_ms"] = number_or_null(1e3 * e.shift_half);
   out["shift_differs"] = e.shifted;
@@ -276,6 +277,8 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
                       {"forward_friction_more_percent", number_or_null(100.0 * v.forward.share)},
                       {"backward_friction_more_percent", number_or_null(100.0 * v.backward.share)},
                       {"load_more_N", number_or_null(v.load.share)},
+                      {"untold_percent", number_or_null(100.0 * v.untold)},
+                      {"told_from_mm_per_s", number_or_null(1e3 * v.told_from)},
                       {"verdict", std::string(name_of(v.grade))}});
   }
   out["verdicts"] = std::move(judged);
