@@ -229,11 +229,11 @@ void hand_over(Table m, const RawLog& raw, bool position, Conditioned& out) {
 
 const std::vector<std::string>& finding_kinds() {
   static const std::vector<std::string> kinds{
-      "double-time", "rounded-time", "time-back", "jitter",   "gap",       "time-bases",  "held",
-      "frozen",      "stuck",        "velocity",  "spike",    "jump",      "reference",   "drive-off",
-      "unsigned",    "inverted",     "saturated", "short",    "irregular", "no-position", "contradiction",
-      "mixed-runs",  "lost",         "stale",     "repeated", "wrapped",   "exchanged",   "smoothed",
-      "line",        "scale",        "commanded", "late"};
+      "double-time", "rounded-time", "time-back", "jitter",     "gap",       "time-bases",  "held",
+      "frozen",      "stuck",        "velocity",  "spike",      "jump",      "reference",   "drive-off",
+      "unsigned",    "inverted",     "saturated", "short",      "irregular", "no-position", "contradiction",
+      "mixed-runs",  "lost",         "stale",     "repeated",   "wrapped",   "exchanged",   "smoothed",
+      "line",        "scale",        "commanded", "too-smooth", "late"};
   return kinds;
 }
 

@@ -71,9 +71,8 @@ SameRows rows_on_reference(const std::vector<Table>& tables) {
 
 void name_commanded_position(const std::vector<Table>& tables, const RoughFit& rough, Notes& notes) {
   constexpr std::size_t kFewestSame = 200;
-  if (!notes.wanted("commanded")) return;
   const SameRows rows = rows_on_reference(tables);
-  if (rows.same >= kFewestSame && 20 * rows.same >= 19 * rows.moving) {
+  if (notes.wanted("commanded") && rows.same >= kFewestSame && 20 * rows.same >= 19 * rows.moving) {
     notes.add_all(
         "commanded", tables.front().source, false,
         fmt::format(
@@ -84,6 +83,7 @@ void name_commanded_position(const std::vector<Table>& tables, const RoughFit& r
         {static_cast<double>(rows.same), static_cast<double>(rows.moving)});
     return;
   }
+  if (!notes.wanted("too-smooth")) return;
   if (!rough.good || !rough.mass_shows || !(rough.mass > 0.0)) return;
   const Basis q = polynomials();
   double fastest = 0.0;
@@ -110,7 +110,7 @@ void name_commanded_position(const std::vector<Table>& tables, const RoughFit& r
   const double force = stats::median(std::move(forces));
   if (!(position < kFarTooSmooth * force * period * period / rough.mass)) return;
   notes.add_all(
-      "commanded", tables.front().source, false,
+      "too-smooth", tables.front().source, false,
       fmt::format(
           "the position looks like a reference: it is smooth to {} while the force changes, which "
           "no measured position is; mass and friction of a commanded motion are wrong: map the column "

@@ -173,7 +173,7 @@ TEST(LogFaults, AReferenceLoggedAsPositionIsNamed) {
   RawLog log = truth;
   log.x.y = truth.r.y;
   log.r.y.clear();
-  EXPECT_THAT(kinds(condition(log)), ElementsAre("commanded"));
+  EXPECT_THAT(kinds(condition(log)), ElementsAre("too-smooth"));
   log.r.y = truth.r.y;  // the same command twice
   const Conditioned twice = condition(log);
   ASSERT_THAT(kinds(twice), ElementsAre("commanded")) << texts(twice);
