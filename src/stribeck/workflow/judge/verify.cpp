@@ -34,6 +34,7 @@ struct Model {
   std::string axis;  ///< as its file says; empty: it does not
   friction::AxisModel model;
   double told_from = 0.0;  ///< slowest speed whose friction the logs behind the file tell [m/s]
+  std::optional<double> control_period{};  ///< as its file says [s]
 };
 
 constexpr double kMostGrowth = 4.6;  // ln 100: of a deviation in open loop
@@ -103,7 +104,8 @@ std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
   std::vector<Model> models;
   bool rotary = false;
   const auto add = [&](const std::string& path, const sim::AxisFile& file, const std::string& axis) {
-    models.push_back({path, axis, file.model, file.uncertainty ? file.uncertainty->told_from : 0.0});
+    models.push_back(
+        {path, axis, file.model, file.uncertainty ? file.uncertainty->told_from : 0.0, file.control_period});
     if (models.size() > 1 && rotary != file.rotary.value_or(false))
       throw io::InputError({path, 0, "rotary",
                             "one of the axis files is of a rotary axis, another is not (verify them apart)"});
@@ -351,7 +353,7 @@ class Verification {
     std::vector<std::string> notes;
     ident::replay::ForceOptions force;
     force.shift = given_shift(o_, logged);
-    force.control_period = control_period(log_);
+    force.control_period = period_of_control();
     const std::optional<ident::log::Record> before = as_before_filter(models_, logged, force, notes);
     const std::optional<ident::log::Record> rigid =
         as_of_rigid_drive(models_, before ? *before : logged, force, notes);
@@ -367,6 +369,14 @@ class Verification {
     page_.warnings.insert(page_.warnings.end(), notes.begin(), notes.end());
     part.record = record;
     page_.parts.push_back(std::move(part));
+  }
+
+  /// Of the machine file, or else of the first axis file that tells it [s]; 0: not known.
+  [[nodiscard]] double period_of_control() const {
+    if (const double period = control_period(log_); period > 0.0) return period;
+    for (const Model& m : models_)
+      if (m.control_period) return *m.control_period;
+    return 0.0;
   }
 
   report::VerifiedModel score(const Model& m, const ident::log::Record& record,
