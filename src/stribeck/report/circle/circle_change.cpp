@@ -111,9 +111,11 @@ constexpr const char* kRepeatability =
 std::string_view CircleChange::verdict() const {
   if (!std::isfinite(half_width)) return "not known: one lap";
   if (std::abs(difference()) <= half_width) return "within the repeatability";
-  if (before * after < 0.0 && std::abs(std::abs(after) - std::abs(before)) <= half_width)
+  const bool turned = before * after < 0.0 && std::abs(after) > half_width;
+  if (turned && std::abs(std::abs(after) - std::abs(before)) <= half_width)
     return after < 0.0 ? "turned round (overcompensated)" : "turned round";
-  return std::abs(after) < std::abs(before) ? "smaller" : "larger";
+  if (std::abs(after) < std::abs(before)) return turned ? "smaller, turned round" : "smaller";
+  return turned ? "larger, turned round" : "larger";
 }
 
 std::vector<CircleChange> circle_changes(const CircleLog& before, const CircleLog& after) {

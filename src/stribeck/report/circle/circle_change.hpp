@@ -23,9 +23,9 @@ struct CircleChange {
   double half_width = 0.0;  ///< of the 95 % interval of the difference; NaN: the repeatability is not known
 
   [[nodiscard]] double difference() const { return after - before; }
-  /// "smaller", "larger", "turned round (overcompensated)", "turned round", "within the repeatability" or "not known: one lap". A peak is
-  /// smaller where its height is nearer to zero; one that turned round counts as smaller or larger only where its size changed by more than
-  /// the half width.
+  /// "smaller", "larger", "within the repeatability" or "not known: one lap". A peak is smaller where its height is nearer to zero. One that
+  /// turned round by more than the half width is called so: "smaller, turned round", "larger, turned round", or where its size changed by
+  /// no more than that "turned round (overcompensated)", towards the other side "turned round".
   [[nodiscard]] std::string_view verdict() const;
 };
 

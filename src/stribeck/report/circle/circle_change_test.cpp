@@ -84,11 +84,12 @@ TEST(CircleChange, PeaksAreComparedAtTheSamePlace) {
   const auto all = circle_changes(a, b);
   const CircleChange& c = change_of(all, "peak y 90°");
   EXPECT_NEAR(c.half_width, 0.5e-6, 1e-12);
-  EXPECT_EQ(c.verdict(), "smaller");  // nearer to zero, though it turned round
+  EXPECT_EQ(c.verdict(), "smaller, turned round");  // nearer to zero
   EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.72e-6, -3.26e-6, 0.5e-6}.verdict()),
             "turned round (overcompensated)");
-  EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.72e-6, -3.26e-6, 0.4e-6}.verdict()), "smaller");
-  EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.26e-6, -3.72e-6, 0.4e-6}.verdict()), "larger");
+  EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.72e-6, -3.26e-6, 0.4e-6}.verdict()), "smaller, turned round");
+  EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.72e-6, -0.3e-6, 0.4e-6}.verdict()), "smaller");
+  EXPECT_EQ((CircleChange{"peak x 0°", "ccw", 3.26e-6, -3.72e-6, 0.4e-6}.verdict()), "larger, turned round");
   EXPECT_EQ((CircleChange{"peak x 0°", "ccw", -3.72e-6, 3.26e-6, 0.5e-6}.verdict()), "turned round");
   // Laps that scatter by a micrometre leave 4 um on either side, of two laps each; one lap leaves nothing known.
   a.diagnosis->peaks[0].repeatability = b.diagnosis->peaks[0].repeatability = 1e-6;
