@@ -338,6 +338,27 @@ TEST(DriveInterface, BeforeItsFirstSampleAnAxisIsToldToStayWhereItIsOrShouldBe) 
   }
 }
 
+// A fault before the encoders have spoken: each axis waits where it is, or should be.
+TEST(DriveInterface, AStopBeforeTheFirstSampleLeavesEveryAxisAtItsOwnPlace) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  control::Setup<2> setup;
+  setup.period = kPeriod;
+  for (auto& axis : setup.compensation) {
+    axis.model.mass = 50.0;
+    axis.model.drive_loop = position_loop(0.5);
+  }
+  const DriveInterface<2> drives(setup);
+  DriveInterface<2>::State s{};
+  path::PathPoint<2> r;
+  r.position = {{0.25, -0.75}};
+  drives.stop(s, r, {{kNan, kNan}}, {}, 50, false);
+  EXPECT_EQ(s[0].command, 0.25);
+  EXPECT_EQ(s[1].command, -0.75);
+  drives.stop(s, r, {{0.3, -0.6}}, {}, 50, false);
+  EXPECT_EQ(s[0].command, 0.3);
+  EXPECT_EQ(s[1].command, -0.6);
+}
+
 TEST(DriveCommand, InOtherUnitsTheCommandsAreTheSame) {
   // The unit of force a million times as large: a drive of newtons per metre is a soft one then, and its integral still one.
   for (const bool position : {false, true}) {

@@ -218,6 +218,19 @@ TEST(SafeStop, BrakesToAStandAndThenHoldsTheLoad) {
   }
 }
 
+// Of 4 m/s in 40 ms, 100 m/s2 would do; with a limit, four fifths of it brake.
+TEST(SafeStop, BrakesWithAHundredMetresPerSecondSquaredWhereNoForceLimitIsKnown) {
+  for (const bool limited : {false, true}) {
+    SupervisionLimits l = limits();
+    l.force = limited ? 250.0 : SupervisionLimits::kOff;
+    const SafeStop stop(l, conventional());
+    SafeStop::State s;
+    stop.begin(s, Reaction::kBrake, 0.0, 100.0, 0);
+    EXPECT_DOUBLE_EQ(s.brake, limited ? 200.0 : 100.0 * kMass);
+    EXPECT_DOUBLE_EQ(stop.step(s), limited ? -200.0 : -100.0 * kMass);
+  }
+}
+
 TEST(SafeStop, AnAxisAtRestIsLetGoOverTwentyMilliseconds) {
   const SafeStop stop(limits(10.0), conventional());
   SafeStop::State s;
