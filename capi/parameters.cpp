@@ -199,11 +199,13 @@ stribeck_result assign_optional(Target target, const Quantity& quantity, std::st
                                 double x) noexcept {
   const bool was_absent = target.size() == 0;
   if (was_absent) target.resize(1);
-  // NaN takes the whole away, by any name that is in it.
+  // NaN takes a member that may be left out away, and by the name of any other one the whole.
   if (std::isnan(x)) {
-    const bool known = rest.empty() || assign(target[0], quantity, rest, x) != STRIBECK_UNKNOWN_NAME;
-    if (known || was_absent) target.resize(0);
-    return known ? STRIBECK_OK : STRIBECK_UNKNOWN_NAME;
+    const stribeck_result below =
+        rest.empty() ? stribeck_result{STRIBECK_OUT_OF_RANGE} : assign(target[0], quantity, rest, x);
+    if (below != STRIBECK_OK || was_absent)
+      target.resize(below == STRIBECK_UNKNOWN_NAME && !was_absent ? 1 : 0);
+    return below == STRIBECK_UNKNOWN_NAME ? STRIBECK_UNKNOWN_NAME : STRIBECK_OK;
   }
   const stribeck_result result = assign(target[0], quantity, rest, x);
   if (result != STRIBECK_OK && was_absent) target.resize(0);

@@ -113,9 +113,14 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
       c.drives.admit(c.commands, running.state, c.measured_force);
       if constexpr (requires { running.ahead; }) {
         if (points > 1) {
-          const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
+          std::size_t n = std::min<std::size_t>(points, running.ahead.size());
           running.ahead[0] = r;
-          for (std::size_t k = 1; k < n; ++k) finite = point_from(in + k * N, running.ahead[k]) && finite;
+          // Rows from the first one on that is no number are left out; the answer tells it.
+          for (std::size_t k = 1; k < n; ++k) {
+            if (point_from(in + k * N, running.ahead[k])) continue;
+            finite = false;
+            n = k;
+          }
           const auto wanted = running.law.step(running.state, std::span(running.ahead).first(n), measured);
           return judge<N>(c, running.state, r, wanted);
         }

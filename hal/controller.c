@@ -216,7 +216,7 @@ static void begin(struct instance* s, const struct inputs* in) {
   s->stopped = 0;
   for (int a = 0; a < axes; ++a) {
     struct supervisor* w = &s->inner[a].watch;
-    w->fault = FAULT_NONE;
+    supervisor_clear(w);
     if (in->finite) {
       supervisor_begin(w, in->axis[a].position, in->axis[a].velocity, in->axis[a].measured);
     } else {
@@ -257,7 +257,7 @@ static int supervise(struct instance* s, const struct inputs* in) {
 
 /* Forces from the controller. The positions of `in` become those of its reference, which goes over to the command (supervisor.h). */
 static void step_controller(struct instance* s, struct inputs* in, double* wanted) {
-  for (int a = 0; a < axes; ++a) in->axis[a].position += s->inner[a].watch.offset;
+  for (int a = 0; a < axes; ++a) supervisor_lead(&s->inner[a].watch, &in->axis[a]);
   stribeck_controller_set_phase(s->controller, *s->hal->phase);
   stribeck_controller_set_measured_force(s->controller, in->force);
   if (stribeck_controller_step(s->controller, in->axis, wanted) != STRIBECK_FAULT) return;

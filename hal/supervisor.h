@@ -77,6 +77,18 @@ static inline enum fault supervisor_judge(struct supervisor* s, const struct lim
   return FAULT_NONE;
 }
 
+/* Before a run: what the last one found and followed says nothing of it. */
+static inline void supervisor_clear(struct supervisor* s) {
+  s->fault = FAULT_NONE;
+  s->started = 0;
+}
+
+/* The reference, from the command: with what is left between both since the axis was enabled. */
+static inline void supervisor_lead(const struct supervisor* s, stribeck_axis_input* r) {
+  r->position += s->offset;
+  r->velocity += s->rate;
+}
+
 /* Enable has risen with inputs that are finite. */
 static inline void supervisor_begin(struct supervisor* s, double command, double velocity, double feedback) {
   s->mode = MODE_RUNNING;

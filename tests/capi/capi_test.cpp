@@ -766,6 +766,27 @@ TEST(CLaws, PredictiveIsTheCppLawWithAndWithoutPointsAhead) {
           return f;
         });
     EXPECT_GT(most, 1e-3) << "limits in reach, or the test tells nothing";
+    // A row ahead that is no number is left out, and what is before it still counts.
+    if (ahead) {
+      WithLaw other(3, "predictive", "predictive");
+      other.set("predictive.iterations", 20.0).set("predictive.horizon", 0.05);
+      other.configure();
+      double last[3] = {}, now[3] = {};
+      for (int k = 0; k < 60; ++k) {
+        std::vector<stribeck_axis_input> some;
+        for (int j = 0; j < 60; ++j) {
+          const auto row = turning<3>(k + j);
+          some.insert(some.end(), row.begin(), row.end());
+        }
+        if (k >= 30) some[3 * (89 - k)].position = kNan;  // one row of the programme
+        std::copy(now, now + 3, last);
+        EXPECT_EQ(stribeck_controller_step_ahead(other.c, some.data(), 60, now),
+                  k < 30 ? STRIBECK_OK : STRIBECK_NOT_FINITE);
+        if (k > 30) {
+          EXPECT_NE(last[0], now[0]) << k;
+        }
+      }
+    }
     stribeck_axis_input rows[6]{};
     rows[4].velocity = kNan;
     double force[3];
@@ -1115,6 +1136,26 @@ TEST(CDrives, CommandsAreThoseOfTheCppInterface) {
   }
   EXPECT_EQ(stribeck_controller_set_measured_force(h.c, nullptr), STRIBECK_BAD_ARGUMENT);
   EXPECT_EQ(stribeck_controller_set_measured_force(nullptr, nullptr), STRIBECK_BAD_HANDLE);
+}
+
+TEST(CDrives, NanTakesAwayWhatMayBeLeftOutAndNoMore) {
+  // The command of the first period for a set number; at 0.1 m/s it is a velocity, and without a drive loop a force.
+  const auto command_with_nan = [](const char* name) {
+    Handle h(1);
+    h.set("mass", 50.0).set("friction.conventional.alpha0", 30.0).choose("feedforward", "steady");
+    h.choose("drive_loop.mode", "velocity").set("drive_loop.gain", 2e4).set("drive_loop.integral_time", 0.01);
+    h.set(name, kNan);
+    h.configure();
+    const stribeck_axis_input in{0.0, 0.1, 0.0, 0.0};
+    double force = 0.0;
+    EXPECT_EQ(stribeck_controller_step(h.c, &in, &force), STRIBECK_OK);
+    stribeck_axis_signals now{};
+    EXPECT_EQ(stribeck_controller_signals(h.c, 0, &now, sizeof now), STRIBECK_OK);
+    return now.command;
+  };
+  EXPECT_NEAR(command_with_nan("drive_loop.position_gain"), 0.1, 1e-3);
+  EXPECT_NEAR(command_with_nan("drive_loop.integral_time"), 0.1 + 30.0 / 2e4, 1e-3);
+  EXPECT_NEAR(command_with_nan("drive_loop.gain"), 30.0, 1e-3);
 }
 
 TEST(CDrives, APositionLoopWithoutItsGainIsRefused) {

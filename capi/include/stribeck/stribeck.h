@@ -13,7 +13,8 @@
  * direction; friction positive for a positive velocity. The frame of two and three axes comes from the commanded motion.
  * Drives that close their velocity or position loop themselves: parameters drive_loop.*; the command of the coming period and the force
  * offset beside it are in the signals (command, offset). Give the force that such a drive reports with set_measured_force.
- * A number that is "left out" is NaN. Elements of lists are named by their index, from 0.
+ * A number that is "left out" is NaN: set to it, what may be left out goes, and by the name of a number that may not the group that holds
+ * it. Elements of lists are named by their index, from 0.
  *
  * Supervision: what is no number for longer than 10 ms, encoder or command, stops the axes: the step then answers STRIBECK_FAULT with
  * the forces of the stop, until reset. With supervision.checks = all and the limits of the axis, each sample and the motion are judged
@@ -144,7 +145,8 @@ typedef struct stribeck_axis_input {
 stribeck_result stribeck_controller_step(stribeck_controller*, const stribeck_axis_input*,
                                          double* force) STRIBECK_NOEXCEPT;
 /* The same with the reference of the coming periods as well: `points` rows of one input per axis, one row per period, the present
- * one first; `measured` counts in that one alone. Laws that do not look ahead take the first row. */
+ * one first; `measured` counts in that one alone. Laws that do not look ahead take the first row. Of a row with a number that is not
+ * finite on, the rows are left out, and the answer is STRIBECK_NOT_FINITE; the forces are new ones where the first row is good. */
 stribeck_result stribeck_controller_step_ahead(stribeck_controller*, const stribeck_axis_input*,
                                                uint32_t points, double* force) STRIBECK_NOEXCEPT;
 /* How many rows the law that is configured can make use of; 0 before. */

@@ -101,6 +101,13 @@ class DriveCommand {
     }
   }
 
+  /// A period without a sample: the set point of a drive that takes a position goes on with its velocity. Held, it would stop dead.
+  void coast(State& s) const noexcept {
+    if (loop_.mode != friction::DriveMode::kPosition) return;
+    s.position += period_ * s.velocity;
+    s.command += period_ * s.velocity;
+  }
+
   /// One period of a stop that takes `periods` in all. `cut`: no force offset from now on.
   void stop(State& s, int periods, bool cut) const noexcept {
     if (s.left < 0) s.left = periods;
@@ -145,16 +152,22 @@ class DriveInterface {
       present_[i] = c.model.drive_loop.has_value();
       reports_[i] = present_[i] && c.model.drive_loop->force_feedback;
       if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.model.load, c.delay, setup.period);
+      limit_[i] = setup.force_limit[i];
+      late_[i] = Compensation::whole_periods(c.delay, setup.period);
     }
   }
 
   /// Before the law: tells it the mean forces of the past period that the drives report [N]; NaN: none.
   void admit(const State& s, Law& law, const V& acted) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      if (reports_[i] && s[i].started && isfinite(acted[i])) law.compensation[i].force[0] = acted[i];
+      if (!reports_[i] || !s[i].started || !isfinite(acted[i])) continue;
+      // What acted was commanded a delay ago. Older ones are no longer read, as this one is no mean of two.
+      auto& commanded = law.compensation[i].force;
+      for (std::size_t k = late_[i]; k < commanded.size(); ++k) commanded[k] = acted[i];
     }
   }
-  /// After the law, for the forces that are to act. What is not finite leaves the commands as they are.
+  /// After the law, for the forces that are to act. Where an input is not finite, a velocity command stays, and a position command goes on with
+  /// its velocity.
   void command(State& s, const Law& law, const path::PathPoint<N>& r, const V& measured,
                const V& force) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
@@ -166,6 +179,9 @@ class DriveInterface {
       const double a = (force[i] - law.compensation[i].balance) / mass_[i];
       if (isfinite(start.position + start.velocity + start.acceleration + a)) {
         axes_[i].step(s[i], force[i], a, start);
+        s[i].offset = clamp_to(s[i].offset, -limit_[i], limit_[i]);
+      } else if (s[i].started) {
+        axes_[i].coast(s[i]);
       } else {
         axes_[i].wait(s[i], measured[i], r.position[i]);
       }
@@ -191,6 +207,8 @@ class DriveInterface {
   std::array<bool, N>
       reports_{};  ///< the drive reports its force; the force that a host passes is ignored for others
   V mass_;         ///< [kg]
+  V limit_;        ///< of the force offset [N]
+  std::array<std::size_t, N> late_{};  ///< delay in whole periods
 };
 
 }  // namespace stribeck::control

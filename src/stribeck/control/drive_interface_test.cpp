@@ -359,6 +359,54 @@ TEST(DriveInterface, AStopBeforeTheFirstSampleLeavesEveryAxisAtItsOwnPlace) {
   EXPECT_EQ(s[1].command, -0.6);
 }
 
+// Held, the set point of a drive that takes a position would stop dead: 3000 N for 100 kg at 0.1 m/s.
+TEST(DriveInterface, OverMissingSamplesAPositionCommandGoesOn) {
+  const DriveInterface<1> drives(setup_with(position_loop(1.0), Observer::kNone));
+  DriveInterface<1>::State s{};
+  path::PathPoint<1> r;
+  r.velocity[0] = 0.1;
+  double last = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    r.position[0] = 0.1 * kPeriod * k;
+    const bool lost = k >= 50 && k < 55;
+    drives.command(s, {}, r, {{lost ? std::numeric_limits<double>::quiet_NaN() : r.position[0]}}, {{0.0}});
+    if (k > 10) {
+      EXPECT_NEAR(s[0].command - last, 0.1 * kPeriod, 1e-9) << k;
+    }
+    last = s[0].command;
+  }
+}
+
+// The force that the drive reports is that of a command of a delay ago.
+TEST(DriveInterface, TheReportedForceStandsWhereItsCommandDoes) {
+  for (const int delay : {0, 1, 4}) {
+    auto setup = setup_with(velocity_loop(), Observer::kDisturbance);
+    setup.compensation[0].model.drive_loop->force_feedback = true;
+    setup.compensation[0].delay = delay * kPeriod;
+    const DriveInterface<1> drives(setup);
+    DriveInterface<1>::State s{};
+    drives.command(s, {}, {}, {}, {{0.0}});
+    Common<1>::State law;
+    law.compensation[0].force.fill(-1.0);
+    drives.admit(s, law, {{7.0}});
+    for (int k = 0; k < 6; ++k)
+      EXPECT_EQ(law.compensation[0].force[static_cast<std::size_t>(k)], k < delay ? -1.0 : 7.0)
+          << delay << ' ' << k;
+  }
+}
+
+TEST(DriveInterface, TheForceOffsetStaysWithinTheLimit) {
+  auto loop = velocity_loop();
+  loop.force_offset = true;
+  auto setup = setup_with(loop, Observer::kNone);
+  setup.force_limit[0] = 200.0;
+  const DriveInterface<1> drives(setup);
+  DriveInterface<1>::State s{};
+  drives.command(s, {}, {}, {}, {{-200.0}});
+  drives.command(s, {}, {}, {}, {{200.0}});
+  EXPECT_EQ(s[0].offset, 200.0);
+}
+
 TEST(DriveCommand, InOtherUnitsTheCommandsAreTheSame) {
   // The unit of force a million times as large: a drive of newtons per metre is a soft one then, and its integral still one.
   for (const bool position : {false, true}) {

@@ -112,10 +112,14 @@ class Compensation {
           OscillationGuard(kSwing * params.model.friction.parts(0.0, 0.0).level +
                                kRattle * params.model.mass * params.encoder_resolution / (period * period),
                            period);
-    const double periods = clamp_to(params.delay / period, 0.0, static_cast<double>(kMostDelay));
-    whole_ = static_cast<std::size_t>(periods);
-    rest_ = periods - static_cast<double>(whole_);
+    whole_ = whole_periods(params.delay, period);
+    rest_ = periods_of(params.delay, period) - static_cast<double>(whole_);
     past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
+  }
+
+  /// A delay [s] in whole periods, as far as past commands are kept: the force of that many periods ago acts, or begins to.
+  static std::size_t whole_periods(double delay, double period) noexcept {
+    return static_cast<std::size_t>(periods_of(delay, period));
   }
 
   /// Takes the position of the encoder [m] and its differenced velocity [m/s]. Call it once per period, before step().
@@ -352,6 +356,10 @@ class Compensation {
   static constexpr double kSwing = 0.6;
   /// The same as a multiple of the answer to one encoder step with a gain of 1/T.
   static constexpr double kRattle = 0.3;
+
+  static double periods_of(double delay, double period) noexcept {
+    return clamp_to(delay / period, 0.0, static_cast<double>(kMostDelay));
+  }
 
   /// Mean over the last period of the commanded values, later by the delay.
   [[nodiscard]] double force_acting(const std::array<double, kMostDelay + 3>& commanded,

@@ -202,6 +202,8 @@ class Learning {
     if (isfinite(r.phi * cells_per_phi_)) {
       learn(s, r.phi, e);
       recall(s, r, feedback);
+    } else {
+      s.known = 0;  // differences over a gap would be wrong
     }
     V wanted = r.acceleration + feedback;
     for (std::size_t i = 0; i < N; ++i) wanted[i] += s.learned[i] / common_.mass(i);

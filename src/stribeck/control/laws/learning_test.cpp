@@ -417,6 +417,22 @@ TEST(Learning, TicksThatAreMissingAreNotTakenForADisturbance) {
   EXPECT_GT(std::abs(s.missing[0]), 5.0);
 }
 
+// As above; the phase is missing, and the samples go on.
+TEST(Learning, AGapInThePhaseIsNotTakenForADisturbance) {
+  auto setup = test::masses<1>(1e-3);
+  setup.lap = 2.0 * kPi;
+  const Learning<1> law({}, setup);
+  Learning<1>::State s;
+  path::PathPoint<1> r;
+  for (int k = 0; k < 60; ++k) {
+    const bool lost = k >= 20 && k < 30;
+    r.phi = lost ? std::nan("") : 2e-3 * k;
+    law.step(s, r, {{1e-6 * k}});
+    ASSERT_LT(std::abs(s.missing[0]), 20.0) << k;
+  }
+  EXPECT_GT(std::abs(s.missing[0]), 5.0);
+}
+
 TEST(Learning, StaysFiniteWhenPhiRunsBackOrJumpsAndForgets) {
   Laps run({}, 1e-3, 3.0);
   for (int k = 0; k < 5; ++k) run.lap(table);

@@ -318,6 +318,15 @@ TEST(Supervisor, WhatWasLearnedSecondsAgoIsKeptOverAFault) {
   const auto recalled = s.theta;
   run.go(1);
   for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_EQ(s.theta[i], recalled[i]);
+  // So does a second fault at once, and a reset that follows a reset.
+  run.added = kNan;
+  run.go(20);
+  ASSERT_EQ(run.fault(), Fault::kEncoderLost);
+  run.added = 0.0;
+  run.watched.reset(*run.state);
+  for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_EQ(s.theta[i], recalled[i]);
+  run.watched.reset(*run.state);
+  for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_EQ(s.theta[i], recalled[i]);
   // And without a fault, reset forgets.
   run.go(3000);
   run.watched.reset(*run.state);

@@ -129,10 +129,14 @@ class Supervisor {
     for (std::size_t i = 0; i < N; ++i) {
       Axis& a = s.axes[i];
       const std::uint32_t bridged = a.encoder.bridged;
-      if (s.fault != Fault::kNone && adapts_[i] && a.kept[1].known)
-        FrictionRls::recall(law.compensation[i].adaptation, a.kept[1]);
+      const auto kept = a.kept[1];
+      // Also where a reset follows a reset, and for the next fault.
+      const bool goes_on = (s.fault != Fault::kNone || !s.started) && adapts_[i] && kept.known;
       std::construct_at(&a);
       a.encoder.bridged = bridged;
+      if (!goes_on) continue;
+      FrictionRls::recall(law.compensation[i].adaptation, kept);
+      a.kept[0] = a.kept[1] = kept;
     }
     s.fault = Fault::kNone;
     s.axis = 0;
