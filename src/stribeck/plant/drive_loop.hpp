@@ -78,7 +78,8 @@ class RunningLoop {
     quantised_ = quantised;
     position_ = rounded(x, d_.motor_resolution);
     command_ = is_position() ? x : 0.0;
-    integral_ = filtered_ = force;
+    integral_ = d_.loop.integral_time ? force : 0.0;  // without an integral part nothing goes on to hold it
+    filtered_ = force;
     waiting_.fill(force);
   }
   /// Takes the command of a period: velocity [m/s] or position [m], and the force offset [N].

@@ -101,6 +101,17 @@ TEST(AxisWithLoop, AVerticalAxisStandsAndMovesAsCommanded) {
   EXPECT_NEAR(100.0 * axis.voltage(), 176.0 + axis.friction_force(), 0.5);
 }
 
+// Nothing holds the weight but the error of the velocity: 176 N at 2e4 N s/m are 8.8 mm/s.
+TEST(AxisWithLoop, WithoutAnIntegralPartAVerticalAxisSinks) {
+  AxisParams p = vertical();
+  p.drive_loop->loop.integral_time.reset();
+  p.friction.steady = friction::Conventional<double>{1.0, 0.0, {}};
+  Axis axis(p, kPeriod, 0.1);
+  axis.start(0.05, {8, false, false}, {1, 0, 0});
+  for (int k = 0; k < 500; ++k) axis.step(0.0);
+  EXPECT_NEAR(axis.velocity(), -175.0 / 2e4, 1e-4);
+}
+
 TEST(AxisWithLoop, TwoDrivesTogetherAreTwoDrivesAlone) {
   const auto make = [] {
     Axis a(vertical(), kPeriod, 0.1);

@@ -53,6 +53,16 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
       },
       which.law);
   const auto* sliding = std::get_if<control::SlidingModeParams>(&which.law);
+  if (sliding != nullptr) {
+    const auto bounds = control::spread<N>(sliding->mass_bound);
+    for (std::size_t i = 0; i < N; ++i) {
+      const double mass = setup.compensation[i].model.mass;
+      if (!(bounds[i] < mass))
+        throw Refused(fmt::format(
+            "mass_bound is {:.6g} kg, expected less than the mass of an axis, {:.6g} kg (choose a smaller one)",
+            bounds[i], mass));
+    }
+  }
   if (sliding != nullptr && sliding->gain == control::SwitchingGain::kSufficient &&
       !control::SlidingMode<N>(*sliding, setup).sufficient_gain_exists()) {
     throw Refused(
@@ -238,6 +248,19 @@ std::vector<ControllerSpec> biaxial_controllers(const control::LawParams& law, c
   return all;
 }
 
+namespace {
+
+/// Takes terms periodic in position out, less an unbalance: that is no friction.
+void keep_unbalance(friction::Model& model) {
+  friction::Model without = model;
+  without.eccentric = {};
+  for (const auto& term : model.eccentric)
+    if (friction::is_unbalance(term)) without.eccentric.push_back(term);
+  model = without;
+}
+
+}  // namespace
+
 friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axis) const {
   const auto need = [&](const std::optional<friction::AxisModel>& m,
                         const char* kind) -> const friction::AxisModel& {
@@ -252,7 +275,7 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
     case FrictionUse::kViscous: {
       friction::AxisModel m = need(conventional, "conventional");
       std::visit([](auto& map) { map = map.viscous_alone(); }, m.friction.steady);
-      m.friction.eccentric = {};
+      keep_unbalance(m.friction);
       return m;
     }
     case FrictionUse::kConventional:
@@ -265,7 +288,7 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
       return need(whole, "whole");
     case FrictionUse::kNominal: {
       friction::AxisModel m = need(eccentric, "eccentric");
-      m.friction.eccentric = {};
+      keep_unbalance(m.friction);
       return m;
     }
   }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/sim/experiments_beyond.hpp>
 #include <stribeck/sim/study/variation.hpp>
 #include <stribeck/sim/test_machine.hpp>
@@ -122,6 +123,22 @@ TEST(Machine, ControllersUseLimitsAndCommissioningDataNotThePlant) {
   const auto later = setup_of(m);
   EXPECT_EQ(later.force_limit[0], 4000.0);
   EXPECT_EQ(later.compensation[0].encoder_resolution, 1e-6);
+}
+
+// The weight of an arm is no friction that a controller without periodic terms does not know.
+TEST(Machine, AControllerWithoutPeriodicTermsKnowsTheUnbalance) {
+  friction::AxisModel m;
+  m.mass = 100.0;
+  m.friction.steady = friction::Conventional<double>{20.0, 100.0, {}};
+  m.friction.eccentric.push_back({5.0, 0.01, 0.0, friction::EccentricForm::kAdditive});
+  m.friction.eccentric.push_back(friction::Unbalance{40.0, 0.3}.term());
+  AxisKnowledge known;
+  known.conventional = known.eccentric = m;
+  for (const FrictionUse use : {FrictionUse::kViscous, FrictionUse::kNominal}) {
+    const auto terms = known.model(use, "c").friction.eccentric;
+    ASSERT_EQ(terms.size(), 1U);
+    EXPECT_EQ(terms[0].amplitude, 40.0);
+  }
 }
 
 TEST(Machine, OtherMachinesOfTheKindCarryTheSamePlates) {

@@ -177,6 +177,12 @@ TEST(Compare, WhatCannotBeSimulatedIsARowThatSaysWhy) {
   EXPECT_TRUE(result.rows[1].trace.empty());
   EXPECT_EQ(result.rows[5].refused, "");
   EXPECT_EQ(result.rows[5].mean.rms, alone.rows[0].mean.rms);
+  // More than the whole mass uncertain: the force would switch at any height.
+  control::SlidingModeParams sliding;
+  sliding.mass_bound = {1e6};
+  spec.controllers[2].law = sliding;
+  EXPECT_THAT(compare(test::biaxial_table(), test::printed(), spec).rows[2].refused,
+              testing::HasSubstr("mass_bound is 1e+06 kg, expected less than the mass"));
   spec.controllers = {spec.controllers[1]};
   EXPECT_THROW(compare(test::biaxial_table(), test::printed(), spec), Refused);
 }
