@@ -108,9 +108,9 @@ double usual_step(const std::vector<double>& t) {
   return *middle;
 }
 
-/// 0, 1, 2, … or 1, 2, 3, …: perhaps numbers of rows.
+/// 0, 1, 2, … or 7, 8, 9, …: perhaps numbers of rows.
 bool counts_rows(const std::vector<double>& t) {
-  if (t.empty() || (t.front() != 0.0 && t.front() != 1.0)) return false;
+  if (t.empty() || t.front() != std::floor(t.front())) return false;
   for (std::size_t k = 1; k < t.size(); ++k) {
     if (t[k] != t[k - 1] + 1.0) return false;
   }
@@ -123,27 +123,26 @@ namespace {
 
 void tell_unit(Log& log, Column& c, std::optional<double> control_period) {
   // Of a log of a drive [s]. Between them the units mostly tell themselves apart.
-  constexpr double kShortest = 15e-6, kLongest = 0.2;
+  constexpr double kShortest = 15e-6, kLongest = 1.0;
   constexpr double kMostPeriods = 20.0;  // of the control from row to row
   if (!c.unit_text.empty() || !c.texts.empty() || counts_rows(c.values)) return;
   if (c.header.find_first_of("[(") != std::string::npos) return;  // a unit that is not known
   const double step = usual_step(c.values);
-  const auto fitting = [&](double shortest, double longest) {
-    std::vector<std::pair<const char*, double>> units;
-    for (const auto& [unit, scale] : {std::pair{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}) {
-      if (step * scale >= shortest && step * scale <= longest) units.emplace_back(unit, scale);
-    }
-    return units;
-  };
-  std::vector<std::pair<const char*, double>> units = fitting(kShortest, kLongest);
-  if (units.size() > 1 && control_period)
-    units = fitting(0.9 * *control_period, kMostPeriods * *control_period);
-  if (units.size() != 1) return;
+  const double shortest = control_period ? 0.9 * *control_period : kShortest;
+  const double longest = control_period ? kMostPeriods * *control_period : kLongest;
+  std::vector<std::pair<const char*, double>> units;
+  // The second but last are the ticks of Windows, which no unit of a log is called after.
+  for (const auto& [unit, scale] :
+       {std::pair{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"", 1e-7}, {"ns", 1e-9}}) {
+    if (step * scale >= shortest && step * scale <= longest) units.emplace_back(unit, scale);
+  }
+  if (units.size() != 1 || units.front().second == 1e-7) return;
   c.unit_text = units.front().first;
   c.unit_assumed = true;
-  log.notes.push_back("column " + in_quotes(c.header) + " has no unit; taken as " + c.unit_text +
-                      fmt::format(", in which the rows are {:.4g} ms apart (another: --map t={})",
-                                  1e3 * step * units.front().second, in_quotes(c.name + " UNIT")));
+  log.notes.push_back(
+      "column " + in_quotes(c.header) + " has no unit; taken as " + c.unit_text +
+      fmt::format(", in which the rows are {:.4g} ms apart; if that is wrong: --map t={}, with your unit",
+                  1e3 * step * units.front().second, in_quotes(c.name + " ms")));
 }
 
 }  // namespace

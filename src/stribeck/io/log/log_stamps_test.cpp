@@ -96,21 +96,23 @@ TEST(LogStamps, ATimeWithoutAUnitHasTheOnlyOneThatFits) {
   };
   EXPECT_EQ(unit(0.0, 0.002), "s");
   EXPECT_EQ(unit(3.5, 0.01), "s");
-  EXPECT_EQ(unit(0.0, 0.25), "ms");
+  EXPECT_EQ(unit(0.0, 1e-4), "s");
   EXPECT_EQ(unit(0.0, 4.0), "ms");
-  EXPECT_EQ(unit(0.0, 1000.0), "us");
-  EXPECT_EQ(unit(0.0, 1e6), "ns");
-  // 20 ms or 20 us, 125 ms or 125 us.
+  // 20 ms or 20 us, 0.25 s or 0.25 ms, 125 ms or 125 us; microseconds or ticks of 100 ns.
   EXPECT_EQ(unit(0.0, 0.02), "");
+  EXPECT_EQ(unit(0.0, 0.25), "");
   EXPECT_EQ(unit(0.0, 125.0), "");
+  EXPECT_EQ(unit(0.0, 1e4), "");
   // Perhaps numbers of rows.
   EXPECT_EQ(unit(0.0, 1.0), "");
   EXPECT_EQ(unit(1.0, 1.0), "");
+  EXPECT_EQ(unit(100.0, 1.0), "");
   ReadOptions of_machine;
   of_machine.machine_period = 125e-6;
   EXPECT_EQ(unit(0.0, 125.0, of_machine), "us");
   of_machine.machine_period = 4e-3;
   EXPECT_EQ(unit(0.0, 0.02, of_machine), "s");
+  EXPECT_EQ(unit(0.0, 0.002, of_machine), "") << "a row in half a period";
   EXPECT_THAT(
       parse(stepped("Time", 0.0, 0.002)).notes,
       Contains(HasSubstr("column \"Time\" has no unit; taken as s, in which the rows are 2 ms apart")));

@@ -199,8 +199,8 @@ void tell_odrive_units(Log& log);
 
 /// A time column without a unit whose numbers can only be times since 1970 in one unit gets it, with a note.
 void tell_epoch(Log& log);
-/// A time column without a unit whose rows follow each other as those of a drive's log do in one unit alone (15 us to 0.2 s; with the
-/// control period [s], where several units fit, about that) gets it, with a note. Numbers of rows get none.
+/// A time column without a unit whose rows follow each other as those of a drive's log do in one unit alone (15 us to 1 s; with the
+/// control period [s] as many of these as up to twenty) gets it, with a note. Numbers of rows get none.
 void tell_unit_of_time(Log& log, std::optional<double> control_period);
 
 /// What the head of a file says of the sampling: "Sampling interval: 1000;us".

@@ -111,7 +111,11 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
   std::vector<NamedColumn> some;
   for (const bool doubtful : {false, true}) {
     if (some.empty()) some = columns.with_unit_of({"N", "N m", "A", "V", "%"}, doubtful);
-    std::erase_if(some, [](const NamedColumn& n) { return is_of_supply(header_of(*n.column)); });
+    std::erase_if(some, [&](const NamedColumn& n) {
+      constexpr std::array<std::string_view, 6> kOther{"temp", "state", "status", "flag", "mode", "phase"};
+      return is_of_supply(header_of(*n.column)) ||
+             (doubtful && any_word(words_of_name(n.column->name), kOther));
+    });
   }
   if (some.size() == 1) {
     Effort e;

@@ -709,7 +709,13 @@ TEST(LogAxis, AColumnWithTheOnlyUnitOfItsKindIsTaken) {
   EXPECT_THAT(refusal(csv("sec,load_coord_mm,head_coord_mm,out_N", {"t", "x_mm", "x_mm", "f"})),
               HasSubstr("no column for the position"));
   EXPECT_THAT(refusal(csv("sec,cmd_mm,out_N", {"t", "x_mm", "f"})), HasSubstr("no column for the position"));
-  EXPECT_THAT(refusal(csv("sec,following error [mm],out_N", {"t", "x_mm", "f"})),
+  for (const char* name : {"following error", "FollowingError", "x_err", "Lageabweichung", "TrajPos", "temp"})
+    EXPECT_THAT(refusal(csv(std::string("sec,") + name + " [mm],out_N", {"t", "x_mm", "f"})),
+                HasSubstr("no column for the position"))
+        << name;
+  workflow::LogOptions of_x;
+  of_x.axis = "x";
+  EXPECT_THAT(refusal(csv("sec,y table [mm],out_N", {"t", "x_mm", "f"}), of_x),
               HasSubstr("no column for the position"));
 }
 

@@ -93,19 +93,32 @@ void doubt_command(const AxisColumns& columns, const NamedColumn& x, std::vector
       io::in_quotes(header_of(*x.column))));
 }
 
+/// Whether a name, in small letters, has the letter of an axis as a word that is not the one wanted: "y table".
+bool is_of_another_axis(const std::string& name, const std::string& axis) {
+  const std::vector<std::string> words = words_of_name(name);
+  return !axis.empty() && std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+    return w.size() == 1 && std::string_view("xyzabcuvw").find(w[0]) != std::string_view::npos &&
+           w != lower_case(axis);
+  });
+}
+
 /// The only column with a unit of length, or else of angle, that is neither commanded nor an error by its name; absent: there is none, or
 /// more than one.
 std::optional<NamedColumn> only_place(const AxisColumns& columns) {
-  // "cPos", "POSC": perhaps commanded.
-  constexpr std::array<std::string_view, 19> kNoPlace{
-      "error", "following", "lag",    "ferr",     "deviation", "schleppfehler", "schleppabstand",
-      "phase", "radius",    "window", "diameter", "thickness", "offset",        "tolerance",
-      "cpos",  "posc",      "npos",   "spos",     "tpos"};
+  // Parts of names, also of "FollowingError"; "cPos" and "POSC" may be commanded.
+  constexpr std::array<std::string_view, 26> kNoPlace{
+      "err",   "diff",  "dev",   "abweich", "fehler", "follow", "lag",  "schlepp", "limit",
+      "temp",  "spind", "traj",  "want",    "profil", "phase",  "radi", "window",  "diam",
+      "thick", "offs",  "toler", "cpos",    "posc",   "npos",   "spos", "tpos"};
   for (const std::string_view unit : {"m", "rad"}) {
     std::vector<NamedColumn> some = columns.with_unit_of({unit});
     std::erase_if(some, [&](const NamedColumn& n) {
       const auto meaning = meaning_of(n.column->name, n.unit);
-      return any_word(words_of_name(n.column->name), kNoPlace) ||
+      const std::string name = lower_case(n.column->name);
+      const bool other = std::any_of(kNoPlace.begin(), kNoPlace.end(), [&](std::string_view part) {
+        return name.find(part) != std::string::npos;
+      });
+      return other || is_of_another_axis(name, columns.axis()) ||
              (meaning && meaning->what == LogQuantity::kReference);
     });
     if (some.size() == 1) return some.front();

@@ -153,7 +153,8 @@ Column column_of(std::string header, Notes& notes) {
     longest = suffix.size();
     c.name = header.substr(0, at - 1);
     c.unit_text = unit;
-    c.unit_assumed = suffix == "A" || suffix == "V";  // "i_A" may be that of axis A
+    c.unit_assumed =
+        suffix.size() == 1 && suffix != "N";  // "i_A" may be that of axis A, "x_m" that of the motor
     const std::string name = lower_case(c.name);
     const bool torque = name.find("torque") != std::string::npos || name.find("moment") != std::string::npos;
     if (suffix == "nm" && torque) c.unit_text = "N m";
