@@ -260,7 +260,7 @@ TEST(Commission, TheAxisFileKnowsTheDriveSoThatAnExportNeedsNoOption) {
   ASSERT_EQ(offset.code, 0) << offset.err;
   EXPECT_THAT(offset.out,
               AllOf(HasSubstr("x: 3770 N for 100 % of the rated torque, from the drive in " + axis),
-                    HasSubstr("2 motors together")));
+                    HasSubstr("force of 2 motors together")));
   EXPECT_THAT(text_of(stages.folder / "x.st"), HasSubstr("F := F / 3.769911184e+00;"));
   ASSERT_EQ(command({"export", axis, "--to", "pid", "-o", stages.folder / "x.hal"}).code, 0);
   EXPECT_THAT(text_of(stages.folder / "x.hal"), HasSubstr("setp pid.x.FF1 1 "));

@@ -76,6 +76,11 @@ TEST(Export, ControllersOfAxisFiles) {
     EXPECT_THAT(hal, HasSubstr(line));
   }
   EXPECT_EQ(nlohmann::json::parse(text_of(f / "e.json"))["file"], f / "a.hal");
+  EXPECT_THAT(hal, testing::Not(HasSubstr("position-unit")));
+  // LinuxCNC counts rotary axes in degrees.
+  const std::string rotary = f.write("rotary.toml", "rotary = true\n" + text_of(x));
+  ASSERT_EQ(command(to_linuxcnc({rotary, "--name", "ax.c", "-o", f / "c.hal", "--quiet"})).code, 0);
+  EXPECT_THAT(text_of(f / "c.hal"), HasSubstr("setp ax.c.position-unit 0.0174532"));
   // Without bristles the feed-forward is the reversal logic; 40 rad/s are the default.
   ASSERT_EQ(command(to_linuxcnc({x, "--name", "ct.0", "-o", f / "b.hal", "--quiet"})).code, 0);
   EXPECT_THAT(text_of(f / "b.hal"),

@@ -1,6 +1,6 @@
 #pragma once
-/// What the data sheets of a drive say of an identified axis, in the form in which controls ask for it. It goes from the machine file
-/// into the axis file, so that an export need not be told it again.
+/// Numbers of a drive from its data sheet, as force and travel of the axis. `identify` and `commission` copy them from the machine file into the
+/// axis file, so that an export need not be told them again.
 ///
 ///   force of one per cent    F₁ = rated_force/100           all motors of the axis at 1 % of their rated torque
 ///   force of one ampere      force_per_ampere               one ampere in each motor

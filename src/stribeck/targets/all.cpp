@@ -48,9 +48,9 @@ std::string peak_line(std::string_view target, std::string_view what, const nloh
 std::string harm_in_words(const std::vector<std::string>& harmful) {
   if (harmful.empty()) return {};
   return fmt::format(
-      "Warning: on this circle {} {} larger peaks than no compensation, or a circular deviation that is no smaller. Friction builds up over a distance after each reversal, and a "
-      "table over the speed pushes at once: choose a target with a smaller peak, or enter a part of the numbers and measure a circle.\n",
-      report::listed(harmful), harmful.size() == 1 ? "leaves" : "leave");
+      "Warning: on this circle {} {} the peaks larger, or the circle no rounder, than no compensation. Choose a target with a smaller peak, or "
+      "enter half of the numbers and measure a circle.\n",
+      report::listed(harmful), harmful.size() == 1 ? "makes" : "make");
 }
 
 /// The peak that each target in a control leaves at the quadrants of the user's circle: tables, then pulses; returns a sentence for each

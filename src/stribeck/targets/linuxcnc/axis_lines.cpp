@@ -87,9 +87,11 @@ std::string controllers(const ExportRequest& o) {
       io::comment_lines("Written by: " + o.command) + "# SI units; angular frequencies in rad/s.\n";
   out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto model = workflow::read_axis_file(o.files[i]).model;
+    const auto file = workflow::read_axis_file(o.files[i]);
     out += '\n' + io::comment_lines(fmt::format("{} from {}", names[i], o.files[i]));
-    out += controller_lines(names[i], model, omega, o.feedforward);
+    if (file.rotary.value_or(false))
+      out += setp(names[i], "position-unit", kPi / 180.0, "a rotary axis: LinuxCNC counts in degrees");
+    out += controller_lines(names[i], file.model, omega, o.feedforward);
   }
   return out;
 }

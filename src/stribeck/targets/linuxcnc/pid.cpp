@@ -101,11 +101,11 @@ void write_for_velocity(const Axis& axis, const PidNumbers& n, Form& form) {
   constexpr double kUsualPeriod = 1e-3;
   form.text += set_line(pid + "FF0", 0.0, "over the commanded position: nothing") +
                set_line(pid + "FF1", 1.0, "the drive takes a velocity") +
-               set_line(pid + "FF2", 0.0, "the mass is in sum.NAME.gain0") +
-               set_line(pid + "bias", 0.0, "the load is in sum.NAME.offset") + deadband_line(axis);
+               set_line(pid + "FF2", 0.0, fmt::format("the mass is in sum.{}.gain0", name)) +
+               set_line(pid + "bias", 0.0, fmt::format("the load is in sum.{}.offset", name)) +
+               deadband_line(axis);
   form.text += fmt::format(
-      "# Friction over the commanded velocity: x-val in mm/s, y-val in mm/s, the velocity error at which a velocity loop with {} N s/mm makes the "
-      "force.\n{}",
+      "# Friction over the commanded velocity: x-val in mm/s, y-val in mm/s, the force divided by the gain of the velocity loop, {} N s/mm.\n{}",
       report::significant(kMillimetre * loop.gain, 4), linuxcnc::lincurve_lines("ff." + name, n.table));
   form.text +=
       set_line("sum." + name + ".gain0", n.ff2,

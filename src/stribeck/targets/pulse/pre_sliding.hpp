@@ -8,7 +8,8 @@
 ///
 ///   Δr travel of the command in one period [m]; α_i weight and ρ_i reach of a stop, δ distance [m/N]: friction/dynamics.hpp
 ///
-/// The level of the bristles is the whole friction of the table.
+/// The level of the bristles is the whole friction of the table. A change of the position against the velocity, where the position wraps or is
+/// set anew, and in the period of a reversal, counts as no travel.
 /// Not modelled: damping of the bristles; attraction of slipping stops.
 /// Real time: safe.
 

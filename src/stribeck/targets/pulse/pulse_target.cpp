@@ -74,12 +74,20 @@ sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
   return loop;
 }
 
-/// The control period that all files name; absent: they do not, or differ [s].
-std::optional<double> period_of(const std::vector<sim::AxisFile>& axes) {
-  const auto first = axes.front().control_period;
-  const bool all = std::all_of(axes.begin(), axes.end(),
-                               [&](const sim::AxisFile& axis) { return axis.control_period == first; });
-  return all ? first : std::nullopt;
+/// The control period that the files name; absent: none does [s]. Refused where they differ.
+std::optional<double> period_of(const std::vector<sim::AxisFile>& axes,
+                                const std::vector<std::string>& names) {
+  std::size_t of = axes.size();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!axes[i].control_period) continue;
+    if (of < i && *axes[of].control_period != *axes[i].control_period)
+      refuse_option(
+          "--period",
+          fmt::format("missing: {} says {:.4g} ms, {} {:.4g} ms; give that of the position loops", names[of],
+                      1e3 * *axes[of].control_period, names[i], 1e3 * *axes[i].control_period));
+    if (of == axes.size()) of = i;
+  }
+  return of < axes.size() ? axes[of].control_period : std::nullopt;
 }
 
 /// That of --speed; else the lowest that was identified, as far as the axes can accelerate on the circle.
@@ -162,7 +170,7 @@ std::string harm_in_words(const CircleError& without, const CircleError& with) {
         report::micrometres(with.quadrant), report::micrometres(without.quadrant));
   if (with.deviation >= without.deviation)
     return fmt::format(
-        "Warning: the circular deviation is no smaller with it than without, {} µm in place of {} µm, because a part of the peaks is turned "
+        "Warning: the circular deviation is no smaller with it than without, {} µm in place of {} µm, most likely because a part of the peaks is turned "
         "round: enter half of the numbers and measure a circle.\n",
         report::micrometres(with.deviation), report::micrometres(without.deviation));
   return {};
@@ -222,7 +230,8 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
     t.period = t.machine->sample_time;
   } else {
     const auto period = quantity("s", "ms").positive().at_least(1e-5).at_most(0.1);
-    t.period = o.period.empty() ? period_of(files).value_or(1e-3) : option_si("--period", o.period, period);
+    t.period =
+        o.period.empty() ? period_of(files, o.files).value_or(1e-3) : option_si("--period", o.period, period);
   }
   t.loop = cascade_of(o, t.period);
   t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
@@ -255,7 +264,7 @@ UserCircle user_circle(const PulseTask& t) {
 
 std::string circle_words(const PulseTask& t, const UserCircle& c, const char* what, const CircleError& with) {
   return fmt::format(
-             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; contour error in µm at the quadrants, largest, and from the lowest to the highest (circular deviation); share of the first:\n",
+             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; contour error in µm at the quadrants, largest, circular deviation (largest less smallest); then the share of the first:\n",
              report::significant(1e3 * t.radius, 4), report::significant(1e3 * t.feed, 4), c.where, t.loop.id,
              report::significant(1e3 * t.period, 3)) +
          line_of("no friction compensation", c.without, c.without) + line_of(what, with, c.without) +

@@ -52,7 +52,8 @@ class TableCascade final : public AroundCascade {
     const TableForce& table = tables_[i];
     Axis& a = axes_[i];
     if (v != 0.0) a.direction = sign(v);
-    const double travel = a.begun ? position - a.from : 0.0;
+    const double change = position - a.from;
+    const double travel = a.begun && change * v > 0.0 ? change : 0.0;
     a.from = position;
     a.begun = true;
     constexpr double kSlow = 1e-12;  // of the last direction [m/s]

@@ -73,13 +73,14 @@ std::string isg_build_up(TableForce& table, double period) {
 }
 
 Form ax8000(const Axis& axis) {
-  // Torque of the motor per angular speed of the motor.
+  // Torque of one motor per angular speed of the motor.
   const double radius = axis.lead / (2.0 * kPi);
+  const int motors = axis.drive ? axis.drive->motors.value_or(1) : 1;
   const Line line = nearest_line(axis);
-  const double factor = with_digits(line.viscous * radius * radius, 6);
+  const double factor = with_digits(line.viscous * radius * radius / motors, 6);
   Form form;
   form.text = fmt::format("3144:03 = {:.6g} (N m s/rad, dynamic friction factor)\n", factor);
-  form.held = [=](double v) { return factor / (radius * radius) * v; };
+  form.held = [=](double v) { return motors * factor / (radius * radius) * v; };
   form.to_do = fmt::format(
       "Goes into object 3144:03 of the AX8000. It holds viscous friction alone: {} that do not grow with the speed are not in it. The "
       "torque offset of --to cia402 is the whole friction: use that one or this one, not both. 3141:08 shows the feed-forward that acts.",

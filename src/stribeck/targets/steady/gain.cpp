@@ -176,7 +176,9 @@ namespace {
 /// The force of one unit in which the target can count, from what an axis file says of the drive; NaN: it does not say it.
 std::pair<double, std::string> gain_of_file(const SteadyTarget& target,
                                             const std::optional<friction::DriveNumbers>& drive) {
-  if (drive && drive->rated_force) return {*drive->rated_force / 100.0, "%"};
+  // The full output of a converter is mostly the peak of the drive, which only its user knows.
+  if (drive && drive->rated_force && target.counts != GainUnit::kBits)
+    return {*drive->rated_force / 100.0, "%"};
   if (drive && drive->force_per_ampere && target.counts == GainUnit::kAny)
     return {*drive->force_per_ampere, "A"};
   return {std::numeric_limits<double>::quiet_NaN(), {}};
@@ -203,7 +205,8 @@ std::string take_from_file(const SteadyTarget& target, Axis& axis) {
   const int motors = axis.drive->motors.value_or(1);
   return fmt::format(
       "{}: {}, from the drive in {}{}.\n", axis.name, report::listed(taken), axis.file,
-      motors > 1 ? fmt::format(" ({} motors together: each gets the same number)", motors) : "");
+      motors > 1 ? fmt::format(" (force of {} motors together: write the number into each drive)", motors)
+                 : "");
 }
 
 std::string missing_options(const SteadyTarget& target, const ExportRequest& o) {

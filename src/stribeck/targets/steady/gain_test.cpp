@@ -18,16 +18,30 @@ SteadyExport with_drive() { return SteadyExport(std::string(kSteadyAxis) + kDriv
 TEST(Gain, ThatOfTheAxisFileGivesTheSameTextAsTheOption) {
   SteadyExport given;
   given.request.gain = "12.5 N/%";
-  for (const char* target : {"cia402", "mitsubishi", "pmac", "indradrive", "isg"}) {
+  for (const char* target : {"cia402", "mitsubishi", "indradrive", "isg"}) {
     SteadyExport known = with_drive();
     EXPECT_EQ(known.text(target).substr(known.text(target).find('\n', 200)),
               given.text(target).substr(given.text(target).find('\n', 200)))
         << target;
   }
   SteadyExport known = with_drive();
-  EXPECT_THAT(known.to("cia402").text,
-              HasSubstr("x: 1250 N for 100 % of the rated torque, from the drive in " +
-                        known.request.files[0] + " (2 motors together: each gets the same number)."));
+  EXPECT_THAT(
+      known.to("cia402").text,
+      HasSubstr("x: 1250 N for 100 % of the rated torque, from the drive in " + known.request.files[0] +
+                " (force of 2 motors together: write the number into each drive)."));
+  // The full output of a converter is mostly the peak of the drive.
+  EXPECT_THAT(known.refusal("pmac"), HasSubstr("--gain: missing"));
+}
+
+TEST(Gain, ANumberOfTheMotorIsThatOfOneMotor) {
+  const auto factor = [](SteadyExport& x) {
+    const std::string text = x.text("ax8000");
+    return std::stod(text.substr(text.find("3144:03 = ") + 10));
+  };
+  SteadyExport one;
+  one.request.lead = "10 mm";
+  SteadyExport two = with_drive();
+  EXPECT_NEAR(factor(two), 0.5 * factor(one), 1e-6);
 }
 
 TEST(Gain, TheOptionGoesBeforeTheAxisFile) {
@@ -64,7 +78,7 @@ TEST(Gain, AllTargetsAreWrittenWithTheDriveOfTheFile) {
   SteadyExport x = with_drive();
   x.request.output = x.folder / "all";
   const std::string words = x.to("all").text;
-  for (const char* target : {"cia402", "keba", "mitsubishi", "pmac", "ax8000"})
+  for (const char* target : {"cia402", "keba", "mitsubishi", "indradrive", "ax8000"})
     EXPECT_TRUE(std::filesystem::exists(x.folder / (std::string("all/") + target + ".txt"))) << target;
   EXPECT_THAT(words, Not(HasSubstr("because an option is missing: cia402")));
 }

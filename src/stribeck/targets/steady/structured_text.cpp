@@ -28,10 +28,11 @@ std::string constants_of(const friction::BuildUp& bristles) {
 std::string built_up(const friction::BuildUp& bristles) {
   std::string out =
       "travel := position - before;\n"
-      "IF NOT begun THEN\n"
+      // A position that wraps, or is set anew, goes against the velocity.
+      "IF NOT begun OR travel * velocity <= 0.0 THEN\n"
       "  travel := 0.0;\n"
-      "  begun := TRUE;\n"
       "END_IF;\n"
+      "begun := TRUE;\n"
       "before := position;\n";
   if (bristles.stops.empty())
     return out +
@@ -179,6 +180,9 @@ Form write_per_mille(const Axis& axis) {
       "Map object 60B2h (torque offset) into the cyclic data; declare an instance of NAME_force, call it once in every cycle with the commanded "
       "motion, and write its output force, in per mille of the rated torque, to the object. Check first that the drive counts 60B2h in per mille "
       "(object 6076h is the rated torque) and that a positive value pushes in the positive direction.";
+  if (const auto& loop = axis.model.drive_loop; loop && !loop->force_offset)
+    form.to_do +=
+        " The axis file says that the drive takes no force offset (drive_loop.force_offset): check that it has the object.";
   return form;
 }
 

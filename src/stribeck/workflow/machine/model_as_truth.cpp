@@ -98,9 +98,11 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
   if (!friction::has_pre_sliding(truth.friction.dynamics))
     truth.friction.dynamics = usual_bristles(file.model);
   truth.lost_motion = lost_motion(file);
-  if (axis.drive_loop) {
+  // The machine file may say nothing of a loop that the axis file has.
+  const auto& told = axis.drive_loop ? axis.drive_loop : file.model.drive_loop;
+  if (told) {
     plant::DriveLoop loop;
-    loop.loop = *axis.drive_loop;
+    loop.loop = *told;
     loop.cycle = sample_time;
     truth.drive_loop = loop;
   } else if (const double rest = periods - truth.delay_periods; rest > 1e-6) {
