@@ -161,9 +161,9 @@ class DriveInterface {
   void admit(const State& s, Law& law, const V& acted) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (!reports_[i] || !s[i].started || !isfinite(acted[i])) continue;
-      // What acted was commanded a delay ago. Older ones are no longer read, as this one is no mean of two.
+      // What acted was commanded a delay ago. Of a delay that is no whole number of periods two commands are read.
       auto& commanded = law.compensation[i].force;
-      for (std::size_t k = late_[i]; k < commanded.size(); ++k) commanded[k] = acted[i];
+      commanded[late_[i]] = commanded[late_[i] + 1] = acted[i];
     }
   }
   /// After the law, for the forces that are to act. Where an input is not finite, a velocity command stays, and a position command goes on with

@@ -390,7 +390,8 @@ TEST(DriveInterface, TheReportedForceStandsWhereItsCommandDoes) {
     law.compensation[0].force.fill(-1.0);
     drives.admit(s, law, {{7.0}});
     for (int k = 0; k < 6; ++k)
-      EXPECT_EQ(law.compensation[0].force[static_cast<std::size_t>(k)], k < delay ? -1.0 : 7.0)
+      EXPECT_EQ(law.compensation[0].force[static_cast<std::size_t>(k)],
+                k == delay || k == delay + 1 ? 7.0 : -1.0)
           << delay << ' ' << k;
   }
 }

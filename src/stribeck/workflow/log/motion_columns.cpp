@@ -105,11 +105,11 @@ bool is_of_another_axis(const std::string& name, const std::string& axis) {
 /// The only column with a unit of length, or else of angle, that is neither commanded nor an error by its name; absent: there is none, or
 /// more than one.
 std::optional<NamedColumn> only_place(const AxisColumns& columns) {
-  // Parts of names, also of "FollowingError"; "cPos" and "POSC" may be commanded.
-  constexpr std::array<std::string_view, 26> kNoPlace{
-      "err",   "diff",  "dev",   "abweich", "fehler", "follow", "lag",  "schlepp", "limit",
-      "temp",  "spind", "traj",  "want",    "profil", "phase",  "radi", "window",  "diam",
-      "thick", "offs",  "toler", "cpos",    "posc",   "npos",   "spos", "tpos"};
+  // Parts of names, also of "FollowingError".
+  constexpr std::array<std::string_view, 21> kNoPlace{
+      "err",  "diff", "dev",    "abweich", "fehler", "follow", "lag",  "schlepp", "limit", "temp", "spind",
+      "traj", "want", "profil", "phase",   "radi",   "window", "diam", "thick",   "offs",  "toler"};
+  constexpr std::array<std::string_view, 5> kPerhapsCommanded{"cpos", "posc", "npos", "spos", "tpos"};
   for (const std::string_view unit : {"m", "rad"}) {
     std::vector<NamedColumn> some = columns.with_unit_of({unit});
     std::erase_if(some, [&](const NamedColumn& n) {
@@ -118,7 +118,8 @@ std::optional<NamedColumn> only_place(const AxisColumns& columns) {
       const bool other = std::any_of(kNoPlace.begin(), kNoPlace.end(), [&](std::string_view part) {
         return name.find(part) != std::string::npos;
       });
-      return other || is_of_another_axis(name, columns.axis()) ||
+      return other || any_word(words_of_name(name), kPerhapsCommanded) ||
+             is_of_another_axis(name, columns.axis()) ||
              (meaning && meaning->what == LogQuantity::kReference);
     });
     if (some.size() == 1) return some.front();
