@@ -9,6 +9,7 @@
 #include <stribeck/ident/stats/quantiles.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/circle/circle_change.hpp>
+#include <stribeck/report/circle/circle_parts.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/factors.hpp>
 #include <stribeck/report/text.hpp>

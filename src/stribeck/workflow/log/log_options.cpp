@@ -4,6 +4,7 @@
 
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <tuple>
