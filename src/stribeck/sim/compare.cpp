@@ -337,9 +337,8 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   friction::Model straight;
   straight.steady = line;
   straight.spring = model.spring;
-  for (const auto& term : model.eccentric) {
-    if (friction::is_unbalance(term)) straight.eccentric.push_back(term);
-  }
+  straight.eccentric = model.eccentric;
+  keep_unbalance(straight);
   return straight;
 }
 

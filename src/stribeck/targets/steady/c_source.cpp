@@ -21,16 +21,12 @@ std::string plain_force(const std::string& axis) {
 std::string bristle_constants(const std::string& axis, const friction::BuildUp& bristles) {
   if (bristles.stops.empty())
     return fmt::format("static const double {}_distance = {:.9e}; /* m/N */\n", axis, bristles.distance);
-  std::string weights, rates;
-  for (const friction::Stop& stop : bristles.stops) {
-    weights += fmt::format("{}{:.9e}", weights.empty() ? "" : ", ", stop.weight);
-    rates += fmt::format("{}{:.9e}", rates.empty() ? "" : ", ", 2.0 * stop.weight / stop.reach);
-  }
+  const StopLists stops = lists_of(bristles);
   const std::size_t count = bristles.stops.size();
   return fmt::format(
       "static const double {0}_weight[{1}] = {{{2}}}; /* share of the friction */\n"
       "static const double {0}_stiffness[{1}] = {{{3}}}; /* N/m */\n",
-      axis, count, weights, rates);
+      axis, count, stops.weights, stops.stiffness);
 }
 
 /// The same with friction that builds up after a reversal (pre_sliding.hpp): x_force(memory, acceleration, velocity, position).

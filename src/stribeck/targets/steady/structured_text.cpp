@@ -15,13 +15,9 @@ std::string array_of(const std::string& name, const std::string& numbers, std::s
 std::string constants_of(const friction::BuildUp& bristles) {
   if (bristles.stops.empty())
     return fmt::format("  distance : LREAL := {:.9e}; (* m/N *)\n", bristles.distance);
-  std::string weights, rates;
-  for (const friction::Stop& stop : bristles.stops) {
-    weights += fmt::format("{}{:.9e}", weights.empty() ? "" : ", ", stop.weight);
-    rates += fmt::format("{}{:.9e}", rates.empty() ? "" : ", ", 2.0 * stop.weight / stop.reach);
-  }
-  return array_of("weight", weights, bristles.stops.size()) +
-         array_of("stiffness", rates, bristles.stops.size());
+  const StopLists stops = lists_of(bristles);
+  return array_of("weight", stops.weights, bristles.stops.size()) +
+         array_of("stiffness", stops.stiffness, bristles.stops.size());
 }
 
 /// Makes of the friction `level` against the motion the signed one that has built up over the commanded travel (pre_sliding.hpp).

@@ -34,4 +34,11 @@ double SourceTables::at(double v) const noexcept {
 std::string speeds_of(const std::vector<Corner>& points) { return numbers(points, &Corner::x); }
 std::string forces_of(const std::vector<Corner>& points) { return numbers(points, &Corner::y); }
 
+StopLists lists_of(const friction::BuildUp& bristles) {
+  std::vector<Corner> stops;
+  for (const friction::Stop& stop : bristles.stops)
+    stops.push_back({stop.weight, 2.0 * stop.weight / stop.reach});
+  return {numbers(stops, &Corner::x), numbers(stops, &Corner::y)};
+}
+
 }  // namespace stribeck::targets

@@ -25,4 +25,11 @@ struct SourceTables {
 std::string speeds_of(const std::vector<Corner>& points);
 std::string forces_of(const std::vector<Corner>& points);
 
+/// The elastic stops of bristles as two such lists: shares of the friction, and stiffness 2·α/ρ [N/m] (pulse/pre_sliding.hpp).
+struct StopLists {
+  std::string weights;
+  std::string stiffness;
+};
+StopLists lists_of(const friction::BuildUp& bristles);
+
 }  // namespace stribeck::targets
