@@ -32,10 +32,12 @@ namespace stribeck::control {
 class DriveCommand {
  public:
   struct State {
-    double command = 0.0;   ///< of the coming period [m/s] or [m]
-    double offset = 0.0;    ///< force beside it [N]
-    double base = 0.0;      ///< first U [N]
-    double held = 0.0;      ///< part of U that the drive's integral has taken over [N]
+    double command = 0.0;  ///< of the coming period [m/s] or [m]
+    double offset = 0.0;   ///< force beside it [N]
+    /// U in the first period: the drive's integral holds it already, the offset must not add it again [N].
+    double base = 0.0;
+    /// Part of U that the drive's integral has taken over by now, where there is no offset [N].
+    double held = 0.0;
     double lead = 0.0;      ///< δ [m]
     double position = 0.0;  ///< x_m [m]
     double velocity = 0.0;  ///< v_m [m/s]
@@ -76,6 +78,7 @@ class DriveCommand {
     if (loop_.force_offset) {
       s.offset = stiffness_ > 0.0 ? force - s.base : force;
     } else {
+      // w, which is constant over the period, makes K·w at once and K·T/T_n·w more until its end: on average K·w + K·T/(2T_n)·w.
       added = (force - s.held) / (loop_.gain + 0.5 * integral_step_);
       s.held += integral_step_ * added;
     }
@@ -187,19 +190,27 @@ class DriveInterface {
       }
     }
   }
-  /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N]; cut: see DriveCommand.
-  void stop(State& s, const path::PathPoint<N>& r, const V& measured, const V& force, int periods,
-            bool cut) const noexcept {
+  /// Instead of command() after a fault, for a stop that takes `periods` of each axis in all. force: of axes without a loop [N]; cut: see
+  /// DriveCommand.
+  void stop(State& s, const path::PathPoint<N>& r, const V& measured, const V& force,
+            const std::array<int, N>& periods, bool cut) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (present_[i]) {
         axes_[i].wait(s[i], measured[i], r.position[i]);
-        axes_[i].stop(s[i], periods, cut);
+        axes_[i].stop(s[i], periods[i], cut);
       } else {
         s[i].command = force[i];
       }
     }
   }
   [[nodiscard]] bool present(std::size_t i) const noexcept { return present_[i]; }
+  /// After a fault: whether the set points of all drives with a loop have come to the end of their stop.
+  [[nodiscard]] bool at_rest(const State& s) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (present_[i] && s[i].left != 0) return false;
+    }
+    return true;
+  }
 
  private:
   std::array<DriveCommand, N> axes_;

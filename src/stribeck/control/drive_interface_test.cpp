@@ -301,8 +301,8 @@ TEST(DriveInterface, EachAxisOfAMachineIsTheAxisAlone) {
           machine.command(s, law, r, x, force);
           axis.command(t, law1, r1, {{x[i]}}, {{force[i]}});
         } else {
-          machine.stop(s, r, x, force, 8, n > 35);
-          axis.stop(t, r1, {{x[i]}}, {{force[i]}}, 8, n > 35);
+          machine.stop(s, r, x, force, {8, 8, 8}, n > 35);
+          axis.stop(t, r1, {{x[i]}}, {{force[i]}}, {8}, n > 35);
         }
         EXPECT_EQ(s[i].command, t[0].command) << i << ' ' << n;
         EXPECT_EQ(s[i].offset, t[0].offset) << i << ' ' << n;
@@ -324,7 +324,7 @@ TEST(DriveInterface, BeforeItsFirstSampleAnAxisIsToldToStayWhereItIsOrShouldBe) 
       r.velocity[0] = kNan;
       const auto tell = [&](double measured) {
         if (stops) {
-          drives.stop(s, r, {{measured}}, {}, 50, false);
+          drives.stop(s, r, {{measured}}, {}, {50}, false);
         } else {
           drives.command(s, {}, r, {{measured}}, {});
         }
@@ -351,12 +351,40 @@ TEST(DriveInterface, AStopBeforeTheFirstSampleLeavesEveryAxisAtItsOwnPlace) {
   DriveInterface<2>::State s{};
   path::PathPoint<2> r;
   r.position = {{0.25, -0.75}};
-  drives.stop(s, r, {{kNan, kNan}}, {}, 50, false);
+  drives.stop(s, r, {{kNan, kNan}}, {}, {50, 50}, false);
   EXPECT_EQ(s[0].command, 0.25);
   EXPECT_EQ(s[1].command, -0.75);
-  drives.stop(s, r, {{0.3, -0.6}}, {}, 50, false);
+  drives.stop(s, r, {{0.3, -0.6}}, {}, {50, 50}, false);
   EXPECT_EQ(s[0].command, 0.3);
   EXPECT_EQ(s[1].command, -0.6);
+}
+
+// Each axis within its own stop time; the set points are at rest when the last one is.
+TEST(DriveInterface, EveryAxisStopsWithinItsOwnTime) {
+  control::Setup<2> setup;
+  setup.period = kPeriod;
+  for (auto& axis : setup.compensation) {
+    axis.model.mass = 50.0;
+    axis.model.drive_loop = velocity_loop();
+  }
+  const DriveInterface<2> drives(setup);
+  DriveInterface<2>::State s{};
+  path::PathPoint<2> r;
+  r.velocity = {{0.1, 0.1}};
+  drives.command(s, {}, r, {}, {});
+  EXPECT_FALSE(drives.at_rest(s));
+  for (int k = 1; k <= 100; ++k) {
+    drives.stop(s, r, {}, {}, {20, 100}, false);
+    EXPECT_NEAR(s[0].command, 0.1 * std::max(20 - k, 0) / 20.0, 1e-12) << k;
+    EXPECT_NEAR(s[1].command, 0.1 * (100 - k) / 100.0, 1e-12) << k;
+    EXPECT_EQ(drives.at_rest(s), k == 100) << k;
+  }
+  // An axis that takes forces is none of them.
+  setup.compensation[1].model.drive_loop.reset();
+  const DriveInterface<2> one(setup);
+  DriveInterface<2>::State t{};
+  for (int k = 1; k <= 20; ++k) one.stop(t, r, {}, {}, {20, 100}, false);
+  EXPECT_TRUE(one.at_rest(t));
 }
 
 // Held, the set point of a drive that takes a position would stop dead: 3000 N for 100 kg at 0.1 m/s.

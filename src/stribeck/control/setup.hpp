@@ -75,6 +75,8 @@ class Common {
     std::array<bool, N> doubtful{};
     /// Supervision has limited the last force until the sign of the axis is proven: an integral would only wind up. Set by supervision.
     std::array<bool, N> cut{};
+    /// Since the last step, as the host measured it; more than 1 after a cycle that was missed. Set by supervision.
+    int periods = 1;
     Vec<double, N> change;  ///< running mean of how much the differenced velocity changes in a period [m/s]
     StatusCounter status;
   };
@@ -88,7 +90,8 @@ class Common {
     }
   }
 
-  /// Tracking errors of this tick; false, and a status raised, when an input is not finite.
+  /// Tracking errors of this tick; false, and a status raised, when an input is not finite: the last forces then stay for a period that
+  /// no observer sees. Observers take the periods in between, and those that the host missed, for what they are.
   bool begin(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
     double sum = 0.0;
     for (std::size_t i = 0; i < N; ++i) {
@@ -97,20 +100,23 @@ class Common {
       for (std::size_t k = 0; k < N; ++k)
         sum += r.frame[i][k] + r.frame_rate[i][k] + r.frame_acceleration[i][k];
     }
-    if (!isfinite(sum)) {
+    const bool finite = isfinite(sum);
+    for (std::size_t i = 0; i < N; ++i) pass(s, i, finite ? s.periods - 1 : s.periods);
+    if (!finite) {
       s.status.raise(Status::kNotFinite);
       return false;
     }
     for (std::size_t i = 0; i < N; ++i) {
       TrackingError& e = s.error[i];
       const double before = e.started ? e.velocity : r.velocity[i];
+      const int periods = e.missed + 1;
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
-      const bool wild = is_wild(s.change[i], abs(e.velocity - before), most_change_[i]);
+      const bool wild = is_wild(s.change[i], abs(e.velocity - before) / periods, most_change_[i]);
       compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i],
                                s.doubtful[i] || wild);
       compensation_[i].forget_beyond(s.compensation[i], kNoDisturbance * setup_.force_limit[i]);
       // A drive's own loop holds the velocity; an observed one, which follows the force that it makes, would fight it.
-      if (form_ == ErrorRate::kObserved && !setup_.compensation[i].model.drive_loop &&
+      if (form_ == ErrorRate::kObserved && e.moves && !setup_.compensation[i].model.drive_loop &&
           compensation_[i].observes_velocity(s.compensation[i]))
         e.rate = compensation_[i].velocity(s.compensation[i]) - r.velocity[i];
     }
@@ -152,13 +158,32 @@ class Common {
   [[nodiscard]] double period() const noexcept { return setup_.period; }
 
  private:
+  /// So many periods without a sample of axis i. After kMostPassed of them, or kMostAtOnce that the host missed in a row, the last velocity
+  /// says nothing any more: the error and the observers find the motion again from two samples. A late step must not compute for long.
+  void pass(State& s, std::size_t i, int periods) const noexcept {
+    TrackingError& e = s.error[i];
+    if (!e.started) return;
+    if (periods <= kMostAtOnce && e.missed + periods <= kMostPassed) {
+      e.missed += periods;
+      for (int k = 0; k < periods; ++k) compensation_[i].pass(s.compensation[i]);
+      return;
+    }
+    e.started = e.moves = false;
+    e.missed = 0;
+    e.rate = 0.0;
+    Compensation::wait_for_motion(s.compensation[i]);
+  }
+  static constexpr int kMostAtOnce = 4;
+  static constexpr int kMostPassed = 10;
+
   /// Whether the differenced velocity changed more than forces can do, and far more than it does otherwise: noise of the encoder may be
   /// larger than both. Adaptation learns nothing from such a sample. One sample cannot lift the mean by much.
   static bool is_wild(double& mean, double change, double most) noexcept {
-    constexpr double kFar = 10.0;
-    constexpr double kShare = 0.02;
+    constexpr double kFar = 10.0;    // times the mean: noise of any usual distribution stays below
+    constexpr double kShare = 0.02;  // of the newest change in the mean: it reaches back about 50 periods
     if (!isfinite(most)) return false;
     const bool wild = change > most && change > kFar * mean;
+    // The mean takes this sample as well, but no more of it than this: noise that lasts is learned, one wild sample is not.
     const double bound = 2.0 * mean + most;
     mean += kShare * ((change < bound ? change : bound) - mean);
     return wild;

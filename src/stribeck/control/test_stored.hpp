@@ -282,7 +282,7 @@ Sums run(const Params& params, const Case& which) {
     if (state->watch.fault == Fault::kNone) {
       drives.command(commands, state->law, r, measured, force);
     } else {
-      drives.stop(commands, r, measured, force, 50, false);
+      drives.stop(commands, r, measured, force, {50, 50}, false);
     }
     x.move(force[0], 0.0);
     y.move(force[1], 20.0);

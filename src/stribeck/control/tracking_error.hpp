@@ -7,6 +7,8 @@
 ///
 /// On a circle the late form adds a constant radius error a·T/ω.
 /// The late form is kept for comparison only. The first sample has ė = 0.
+/// After n − 1 periods without a sample the differences are means over n periods. They are carried on to the last of these periods,
+/// with the acceleration that they themselves show:  ė = ē + (n − 1)/(n + 1)·(ē − ė_before).
 /// Real time: safe.
 
 #include <array>
@@ -31,17 +33,29 @@ struct TrackingError {
   double velocity = 0.0;  ///< backward difference of the encoder [m/s]
   double position = 0.0;  ///< last encoder position [m]
   bool started = false;
+  bool moves = false;  ///< two samples have come: `velocity` and `rate` are known
+  int missed = 0;      ///< periods without a sample since the last one
 
+  /// The sample of this period [m], with its reference [m], [m/s].
   void update(double measured, double reference, double reference_velocity, double period,
               ErrorRate form) noexcept {
     const double error = measured - reference;
     if (started) {
-      velocity = (measured - position) / period;
-      rate = form != ErrorRate::kLate ? (error - e) / period : velocity - reference_velocity;
+      const double time = period * (missed + 1);
+      velocity = at_the_end((measured - position) / time, velocity);
+      rate = form != ErrorRate::kLate ? at_the_end((error - e) / time, rate) : velocity - reference_velocity;
+      moves = true;
     }
     e = error;
     position = measured;
     started = true;
+    missed = 0;
+  }
+
+ private:
+  /// The mean over the last period, from that over all periods since the last sample and the value before them.
+  [[nodiscard]] double at_the_end(double mean, double before) const noexcept {
+    return missed == 0 || !moves ? mean : mean + missed / (missed + 2.0) * (mean - before);
   }
 };
 

@@ -18,6 +18,10 @@
 
 namespace stribeck {
 
+// In short: for every struct with fields(), type_of<Struct> is a constant table with one row (FieldInfo) per member: its name, text, unit, and
+// functions that reach the member in an object. Code that reads files or lists parameters goes through such tables and needs no template.
+// Who adds a parameter writes a line in fields() (fields.hpp) and need not read on here.
+
 /// What a parameter is.
 enum class Kind : unsigned char {
   kSwitch,    ///< bool

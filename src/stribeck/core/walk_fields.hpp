@@ -35,6 +35,7 @@ class Value {
   [[nodiscard]] std::string_view text() const { return type_->text(object_); }
   /// Number of items of a list; of an optional 0 or 1.
   [[nodiscard]] std::size_t size() const { return type_->size(object_); }
+  // The tables have one function for reading and writing; a Value hands out what it finds for reading alone.
   [[nodiscard]] Value operator[](std::size_t i) const {
     return {*type_->inner, type_->at(const_cast<void*>(object_), i)};
   }

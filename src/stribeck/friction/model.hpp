@@ -10,6 +10,7 @@
 /// (dynamics.hpp).
 /// Real time: safe.
 
+#include <limits>
 #include <optional>
 #include <stribeck/friction/conventional.hpp>
 #include <stribeck/friction/dynamics.hpp>
@@ -109,15 +110,11 @@ struct BasicModel {
     double most = 0.0;
     for (const auto& term : eccentric)
       most += term.form == EccentricForm::kProportional ? term.amplitude : 0.0;
-    for (int i = -kChecked; i <= kChecked && most > 0.0; ++i) {
-      const double v = kCheckedSpeed * (i + 0.5) / kChecked;
-      if (std::visit([&](const auto& map) { return map.parts(v, 0.0).level; }, steady) <= most) {
-        report(
-            "eccentric",
-            "proportional terms must stay below the level of friction, or friction would drive the motion");
-        return;
-      }
-    }
+    if (most > 0.0 && least_level() <= most)
+      report(
+          "eccentric",
+          "proportional terms must stay below the level of friction, at every place and at speeds up to 10 m/s (or those of "
+          "the identification), or friction would drive the motion");
   }
 
   /// Parts of the steady state at velocity v [m/s] and position x [m].
@@ -141,7 +138,27 @@ struct BasicModel {
 
  private:
   static constexpr int kChecked = 500;
-  static constexpr double kCheckedSpeed = 0.1;  ///< [m/s]
+  static constexpr double kCheckedSpeed =
+      0.1;                                  ///< in equal steps up to here, beyond it in equal ratios [m/s]
+  static constexpr double kFastest = 10.0;  ///< faster than feed drives go [m/s]
+
+  /// The lowest level of friction without the eccentric terms, at any place and any speed at which the axis may be used [N].
+  [[nodiscard]] double least_level() const noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    const auto look = [&](double v) {
+      least = min_of(least, std::visit([&](const auto& map) { return map.parts(v, 0.0).level; }, steady));
+    };
+    for (int i = -kChecked; i <= kChecked; ++i) look(kCheckedSpeed * (i + 0.5) / kChecked);
+    const auto range = identified_range();
+    for (int i = 1; i <= kChecked; ++i) {
+      const double v = kCheckedSpeed * pow(kFastest / kCheckedSpeed, static_cast<double>(i) / kChecked);
+      if (!range || v <= (*range)[1]) look(v);
+      if (!range || -v >= (*range)[0]) look(-v);
+    }
+    double share = places.empty() ? 1.0 : std::numeric_limits<double>::infinity();
+    for (const Place& p : places) share = min_of(share, p.level);
+    return share * least;
+  }
 };
 
 using Model = BasicModel<DynamicsVariant>;

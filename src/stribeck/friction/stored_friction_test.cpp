@@ -296,8 +296,22 @@ TEST(StoredFriction, WhatIsRefused) {
   EXPECT_EQ(complaints(m.friction), "");
   m.friction.eccentric[1].amplitude = 6.1;
   EXPECT_EQ(complaints(m.friction), "eccentric;");
+  // At every place: nine tenths of 10 N are below 4 N + 5.9 N, and 1.1 times 10 N above 4 N + 6.1 N.
+  m.friction.places = {Place{0.0, 1.1, 1.0}, Place{1e-3, 1.2, 1.0}};
+  EXPECT_EQ(complaints(m.friction), "");
+  m.friction.places.push_back(Place{2e-3, 0.9, 1.0});
+  EXPECT_EQ(complaints(m.friction), "eccentric;");
+  m.friction.eccentric[1].amplitude = 4.9;
+  EXPECT_EQ(complaints(m.friction), "");
   m.friction.places = {Place{0.0, 1.0, 1.0}, Place{1e-3, 1.1, 1.0}, Place{1e-3, 1.2, 1.0}};
   EXPECT_EQ(complaints(m.friction), "places;");
+  // And at every speed: with v0 = 0.5 m/s the level is below 25 N from 0.72 m/s on.
+  m.friction.places = {};
+  m.friction.steady = Conventional<double>{20.0, 0.0, Stribeck<double>{60.0, 0.5, 2.0}};
+  m.friction.eccentric = {Eccentric<double>{25.0, 5e-3, 0.0, EccentricForm::kProportional}};
+  EXPECT_EQ(complaints(m.friction), "eccentric;");
+  m.friction.eccentric[0].amplitude = 19.0;
+  EXPECT_EQ(complaints(m.friction), "");
 }
 
 }  // namespace

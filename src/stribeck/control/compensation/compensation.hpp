@@ -76,7 +76,7 @@ class Compensation {
     double last_jerk = 0.0;          ///< of the reference [m/s³]
     double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
-    bool begun = false;    ///< the second sample has come: take_over()
+    int samples = 0;       ///< of the encoder in a row, up to 2: take_over()
     bool limited = false;  ///< the last force was limited
     bool slower = false;   ///< the disturbance observer has taken the place of the Kalman observer
     double calming = 0.0;  ///< time for which the oscillation that caused this may go on [s]
@@ -127,7 +127,7 @@ class Compensation {
   /// adaptation uses the motion of the reference instead and learns nothing.
   void observe(State& s, double position, double velocity, bool bridged = false,
                bool doubtful = false) const noexcept {
-    const double net = force_acting(s.force) - force_acting(s.feedforward_history);
+    const double net = force_beside_friction(s);
     if (take_over(s, position, velocity, bridged)) {
       // The estimates begin with the motion that the axis has.
     } else if (bridged) {
@@ -135,26 +135,38 @@ class Compensation {
     } else if (params_.observer == Observer::kDisturbance) {
       s.estimate = observer_.step(s.disturbance, net, velocity);
     } else if (params_.observer == Observer::kKalman) {
-      const double faster = kalman_.step(s.kalman, net, position);
-      const double slower = observer_.step(s.disturbance, net, velocity);
-      s.estimate = s.slower ? slower : faster;
+      const double of_kalman = kalman_.step(s.kalman, net, position);
+      const double of_disturbance = observer_.step(s.disturbance, net, velocity);
+      s.estimate = s.slower ? of_disturbance : of_kalman;
     } else if (params_.observer == Observer::kAdaptive) {
       s.estimate = adaptive_.step(s.adaptive, net, velocity);
     }
     if (!adaptation_.enabled()) return;
-    // The reference in the middle of the last period; exactly at rest where it rests.
-    const double middle = 0.5 * period_;
-    const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
-    adaptation_.step(s.adaptation, force_acting(s.force) - params_.model.load,
-                     force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
-                         force_acting(s.change_by_theta_history),
-                     doubtful ? s.adaptation.position + period_ * v : position, v,
-                     s.last_acceleration + middle * s.last_jerk,
-                     !s.limited && s.guard.trust == 1.0 && !(s.calming > 0.0), bridged || doubtful);
-    if (!isfinite(norm(s.adaptation.theta)))
-      std::construct_at(&s.adaptation);  // numbers overflowed: it begins anew
-    DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
+    adapt(s, doubtful ? s.adaptation.position + period_ * middle_velocity(s) : position,
+          !s.limited && s.guard.trust == 1.0 && !(s.calming > 0.0), bridged || doubtful);
   }
+
+  /// A whole period that passes without a sample and without a step of the controller: the last force stays. Observers continue by their
+  /// models, and estimates stay.
+  void pass(State& s) const noexcept {
+    if (!s.started) return;
+    if (s.samples == kTakenOver) {
+      const double net = force_beside_friction(s);
+      if (params_.observer == Observer::kAdaptive) {
+        adaptive_.predict(s.adaptive, net);
+      } else {
+        carry_on(s, net, s.disturbance.velocity);
+      }
+    }
+    if (adaptation_.enabled()) adapt(s, s.adaptation.position + period_ * middle_velocity(s), false, true);
+    remember(s, s.force[0], s.feedforward_history[0], 0.0);
+    // The reference goes on meanwhile.
+    s.last_velocity += period_ * s.last_acceleration;
+    s.last_jerk = 0.0;
+  }
+
+  /// After so many periods without a sample that the motion is not known any more: the next samples show it. Estimates stay.
+  static void wait_for_motion(State& s) noexcept { s.samples = 0; }
 
   /// Begins the observers anew where the estimate is beyond this force [N], which nothing at the axis can be; infinite: never.
   void forget_beyond(State& s, double force) const noexcept {
@@ -163,7 +175,7 @@ class Compensation {
     s.kalman = {};
     s.adaptive = {};
     s.estimate = 0.0;
-    s.begun = false;
+    s.samples = 1;  // the next one shows the motion
   }
 
   /// Force to add [N] for the reference now: position [m], velocity [m/s], acceleration [m/s²].
@@ -220,14 +232,7 @@ class Compensation {
         adaptation_.halve(s.adaptation);
       }
     }
-    for (std::size_t i = past_; i > 0; --i) {
-      s.force[i] = s.force[i - 1];
-      s.feedforward_history[i] = s.feedforward_history[i - 1];
-      s.change_by_theta_history[i] = s.change_by_theta_history[i - 1];
-    }
-    s.force[0] = force;
-    s.feedforward_history[0] = s.friction;
-    s.change_by_theta_history[0] = follows_adaptation() ? s.adaptation.feedforward_change_by_theta : 0.0;
+    remember(s, force, s.friction, follows_adaptation() ? s.adaptation.feedforward_change_by_theta : 0.0);
     s.limited = limited;
   }
 
@@ -285,18 +290,21 @@ class Compensation {
     return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
   }
 
-  /// An axis may be in motion when the controller takes it over: the second sample shows it. An observer that begins at rest would make
-  /// a force of mass times speed.
+  /// An axis may be in motion when the controller begins. Two samples in a row show its velocity, and the observers begin with it: one
+  /// that began at rest would make a force of mass times speed. Answers whether this sample was used for that alone.
   bool take_over(State& s, double position, double velocity, bool bridged) const noexcept {
-    if (!s.started) s.begun = bridged;  // a first sample that was predicted shows no motion
-    if (!s.started || s.begun || bridged) return false;
-    s.begun = true;
-    if (!(abs(velocity) * period_ > kMoves * params_.encoder_resolution)) return false;
-    s.disturbance.velocity = s.adaptive.velocity = velocity;
-    s.kalman.estimate = {{position, velocity, 0.0}};
+    if (s.samples == kTakenOver) return false;
+    s.samples = bridged ? 0 : s.samples + 1;
+    if (bridged) return true;  // a predicted sample shows no motion
+    const bool known = s.samples == kTakenOver;
+    const bool moves = known && abs(velocity) * period_ > kMoves * params_.encoder_resolution;
+    if (known) s.kalman.estimate[1] = s.disturbance.velocity = s.adaptive.velocity = moves ? velocity : 0.0;
+    if (known && !moves) return false;
+    s.kalman.estimate[0] = position;
     s.kalman.started = true;
     return true;
   }
+  static constexpr int kTakenOver = 2;
 
   /// A period without a sample: the estimates of the observers do not change.
   void carry_on(State& s, double net, double velocity) const noexcept {
@@ -308,6 +316,38 @@ class Compensation {
     } else if (params_.observer == Observer::kAdaptive) {
       s.adaptive.velocity = velocity;
     }
+  }
+
+  /// The force that acted on the axis over the last period, without what was fed forward in it [N].
+  [[nodiscard]] double force_beside_friction(const State& s) const noexcept {
+    return force_acting(s.force) - force_acting(s.feedforward_history);
+  }
+  /// Velocity of the reference in the middle of the last period; exactly 0 where it rests [m/s].
+  [[nodiscard]] double middle_velocity(const State& s) const noexcept {
+    const double middle = 0.5 * period_;
+    return s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
+  }
+  /// One period of the adaptation, which has seen the axis at this position [m].
+  void adapt(State& s, double position, bool learn, bool bridged) const noexcept {
+    adaptation_.step(s.adaptation, force_acting(s.force) - params_.model.load,
+                     force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
+                         force_acting(s.change_by_theta_history),
+                     position, middle_velocity(s), s.last_acceleration + 0.5 * period_ * s.last_jerk, learn,
+                     bridged);
+    if (!isfinite(norm(s.adaptation.theta)))
+      std::construct_at(&s.adaptation);  // numbers overflowed: it begins anew
+    DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
+  }
+  /// Stores what was commanded for the coming period, before what was commanded earlier [N].
+  void remember(State& s, double force, double friction, double change_by_theta) const noexcept {
+    for (std::size_t i = past_; i > 0; --i) {
+      s.force[i] = s.force[i - 1];
+      s.feedforward_history[i] = s.feedforward_history[i - 1];
+      s.change_by_theta_history[i] = s.change_by_theta_history[i - 1];
+    }
+    s.force[0] = force;
+    s.feedforward_history[0] = friction;
+    s.change_by_theta_history[0] = change_by_theta;
   }
 
   /// At rest, friction balances whatever acts on the axis, and creeps. What the observer has found of that goes into the bristle, so

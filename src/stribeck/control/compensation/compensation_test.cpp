@@ -69,6 +69,37 @@ TEST(Compensation, BegunInMotionTheObserversAddNothing) {
   }
 }
 
+// A period without a step: the force and what was fed forward in it stay, the reference goes on, and nothing of it comes from adaptation.
+TEST(Compensation, OverAPeriodThatPassesTheForceStaysAndTheReferenceGoesOn) {
+  CompensationParams p = whole(1000.0, 3e8);
+  p.adaptation.enabled = true;
+  p.delay = 2.0 * kPeriod;
+  const Compensation law(p, kPeriod);
+  Compensation::State s;
+  StatusCounter status;
+  law.observe(s, 0.0, 0.0);
+  law.applied(s, law.step(s, 0.0, 0.0, 0.0, status), false, status);
+  law.observe(s, 0.0, 0.0);
+  law.step(s, 0.0, 0.0, 0.0, status);
+  law.applied(s, 700.0, false, status);
+  s.friction = 300.0;
+  s.last_velocity = 0.1;
+  s.last_acceleration = 0.25 / kPeriod;
+  s.last_jerk = 5.0;
+  law.applied(s, 800.0, false, status);
+  s.change_by_theta_history[0] = 7.0;
+  law.pass(s);
+  EXPECT_EQ(s.force[0], 800.0);
+  EXPECT_EQ(s.force[1], 800.0);
+  EXPECT_EQ(s.force[2], 700.0);
+  EXPECT_EQ(s.feedforward_history[0], 300.0);
+  EXPECT_EQ(s.feedforward_history[1], 300.0);
+  EXPECT_EQ(s.change_by_theta_history[0], 0.0);
+  EXPECT_EQ(s.change_by_theta_history[1], 7.0);
+  EXPECT_NEAR(s.last_velocity, 0.35, 1e-12);
+  EXPECT_EQ(s.last_jerk, 0.0);
+}
+
 TEST(DynamicCompensation, LeavesAHundredthOfWhatTheSteadyMapLeaves) {
   const CompensationParams dynamic = whole(1000.0, 3e8);
   CompensationParams steady = dynamic;

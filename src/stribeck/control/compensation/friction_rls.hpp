@@ -172,26 +172,27 @@ class FrictionRls {
     scales[2].negative += kStep;
     scales[3].stiffness += kStep;
     const auto f = model_.follow(s.bristles.data(), scales.data(), 4, s.started, travel, v, position);
-    Vector phi;
-    phi[kPositive] = (f[1].bristle - f[0].bristle) / kStep;
-    phi[kNegative] = (f[2].bristle - f[0].bristle) / kStep;
-    phi[kViscous] = f[0].viscous / scales[0].viscous;
-    phi[kStiffness] = turned(s, v) ? (f[3].bristle - f[0].bristle) / kStep : 0.0;
-    phi[kMass] = mass_ * acceleration;
+    // What the force of the model changes by, for each parameter, before and behind the filter G.
+    Vector force_by_theta;
+    force_by_theta[kPositive] = (f[1].bristle - f[0].bristle) / kStep;
+    force_by_theta[kNegative] = (f[2].bristle - f[0].bristle) / kStep;
+    force_by_theta[kViscous] = f[0].viscous / scales[0].viscous;
+    force_by_theta[kStiffness] = turned(s, v) ? (f[3].bristle - f[0].bristle) / kStep : 0.0;
+    force_by_theta[kMass] = mass_ * acceleration;
     const auto wave = periodic(position - 0.5 * travel);
-    phi[kSine] = wave[0];
-    phi[kCosine] = wave[1];
-    phi[kDelay] = change;
-    const double model = f[0].sum() + s.theta[kMass] * phi[kMass] + s.theta[kSine] * wave[0] +
-                         s.theta[kCosine] * wave[1] + s.theta[kDelay] * phi[kDelay];
+    force_by_theta[kSine] = wave[0];
+    force_by_theta[kCosine] = wave[1];
+    force_by_theta[kDelay] = change;
+    const double model = f[0].sum() + s.theta[kMass] * force_by_theta[kMass] + s.theta[kSine] * wave[0] +
+                         s.theta[kCosine] * wave[1] + s.theta[kDelay] * force_by_theta[kDelay];
     if (bridged) {
       observer_.predict(s.observer, force - model);
-      for (std::size_t i = 0; i < kCount; ++i) observer_.predicted_answer(s.answers[i], phi[i]);
+      for (std::size_t i = 0; i < kCount; ++i) observer_.predicted_answer(s.answers[i], force_by_theta[i]);
       return;
     }
     s.residual = observer_.step(s.observer, force - model, s.position);
-    const Vector force_of = phi;
-    for (std::size_t i = 0; i < kCount; ++i) phi[i] = observer_.answer(s.answers[i], phi[i]);
+    Vector phi;
+    for (std::size_t i = 0; i < kCount; ++i) phi[i] = observer_.answer(s.answers[i], force_by_theta[i]);
     if (v == 0.0) settle(s, position, scales);
     if (!learn || v == 0.0) return;
     // P·φ and the gain
@@ -219,7 +220,7 @@ class FrictionRls {
         }
       }
       s.deviation[i] = sqrt(max_of(s.p[i][i], 0.0));
-      s.feedforward_change_by_theta += (evident(s, i) - used[i]) * force_of[i];
+      s.feedforward_change_by_theta += (evident(s, i) - used[i]) * force_by_theta[i];
     }
   }
 

@@ -9,7 +9,8 @@
 ///   of Prandtl and Ishlinskii: from rest h = p(2s) (Masing), a partial reversal starts from the present h, closed loops are
 ///   forgotten. If the levels of the directions differ, h is rescaled at the reversal, so that the force does not jump.
 ///
-/// Defaults come from the model: LuGre gives d = g/σ0; GMS its elements, s_i = 2·α_i·g/k_i, w_i = α_i. At rest the start is h = 0,
+/// Defaults come from the model: LuGre gives d = g/σ0; GMS its elements, s_i = 2·α_i·g/k_i, w_i = α_i; where friction differs from
+/// place to place, with g and stiffness of the place (friction/places.hpp). At rest the start is h = 0,
 /// in motion h = ς. h depends on distance, not on time: it keeps its value in dwell. A move of length s < short_move changes h by
 /// s/short_move of that; rate_limit bounds the change of g·h. Scales of adaptation as in friction_feedforward.hpp.
 /// Sign: positive for v > 0, as friction. Source: Prandtl 1928, doi:10.1002/zamm.19280080202; Masing 1926; the manuals listed in
@@ -135,6 +136,7 @@ class ReversalFeedforward {
       distance_ = *params_.distance;
     } else if (const auto own = friction::build_up_of(model_.dynamics)) {
       stretch_ = levels;
+      own_ = true;
       distance_ = own->distance;
       elements_ = own->stops;
     }
@@ -223,8 +225,12 @@ class ReversalFeedforward {
   void move(Memory& m, double direction, double distance, double x,
             const FrictionScales& scales) const noexcept {
     if (direction != m.direction) turn(m, direction, x, scales);
-    const double stretch = stretch_[direction < 0.0 ? 0 : 1] * scales.level(direction) / scales.stiffness;
     if (!(distance > 0.0)) return;
+    double stretch = stretch_[direction < 0.0 ? 0 : 1] * scales.level(direction) / scales.stiffness;
+    if (own_ && !model_.places.empty()) {
+      const friction::Shares here = friction::shares_at(model_.places, x);
+      stretch *= here.level / here.stiffness;
+    }
     m.travel += distance;
     if (elements_.empty()) {
       m.share = direction - (direction - m.share) * exp(-distance / (distance_ * stretch));
@@ -301,7 +307,8 @@ class ReversalFeedforward {
     return turns;
   }
 
-  /// Advances the memory along r between two instants, and adds the mean of the friction there if `sum` is given.
+  /// Advances the memory along r between two instants. With `mean`, adds the mean of the friction between them to it; without (null),
+  /// the memory alone moves on. Each part between two turns has one direction of motion.
   void along(Memory& m, const MotionAhead& r, double from, double to, const FrictionScales& scales,
              FrictionFeedforward::Force* mean) const noexcept {
     // Gauss's rule with three points: exact for polynomials up to τ⁵ on each part without a turn.
@@ -312,12 +319,12 @@ class ReversalFeedforward {
     for (std::size_t part = 0; part <= turns.size(); ++part) {
       const double end = part < turns.size() ? turns[part] : to;
       const double direction = sign(r.velocity_at(0.5 * (begin + end)));
-      double t = begin;
+      double reached = begin;  // instant to which the memory has moved
       const auto move_to = [&](double until) {
         if (direction == 0.0) return;
-        const double moved = (r.position_at(until) - r.position_at(t)) * direction;
-        move(m, direction, max_of(moved, 0.0), r.position_at(t), scales);
-        t = until;
+        const double moved = (r.position_at(until) - r.position_at(reached)) * direction;
+        move(m, direction, max_of(moved, 0.0), r.position_at(reached), scales);
+        reached = until;
       };
       for (std::size_t i = 0; i < kNode.size() && mean != nullptr; ++i) {
         const double node = begin + kNode[i] * (end - begin);
@@ -346,6 +353,7 @@ class ReversalFeedforward {
   double distance_ = ReversalParams::kUsualDistance;  ///< [m], or [m/N] of level
   std::array<double, 2> stretch_{1.0, 1.0};  ///< of distances, backward and forward [-], or level [N]
   FixedVector<friction::Stop, kMostElements> elements_;  ///< reach in [m], or [m/N] of level
+  bool own_ = false;  ///< the build-up is that of the model's dynamics, and per level
 };
 
 }  // namespace stribeck::control

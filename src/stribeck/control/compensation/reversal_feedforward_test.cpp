@@ -387,6 +387,44 @@ TEST(Reversal, IsGmsWhereTheLevelIsConstant) {
   expect_like(gms, {kLevel}, 0.2);
 }
 
+// Three quarters of the reversal after a distance of g·l/(σ0·k)·ln 2 by the shares l, k of the place: the law of the model, which the
+// reversal follows, has that as well.
+TEST(Reversal, BuildsUpAsThePlaceHasIt) {
+  for (const double level : {1.0, 2.0, 4.0}) {
+    for (const double stiffness : {1.0, 0.25}) {
+      friction::Model model;
+      model.steady = friction::Conventional<double>{kLevel, 0.0, {}};
+      model.dynamics = friction::LuGre<double>{2.5e8, 0.0, {}};
+      model.places = {friction::Place{0.0, level, stiffness}};
+      const ReversalFeedforward law({}, model, kPeriod);
+      const FrictionFeedforward bristle(model, kPeriod);
+      ReversalFeedforward::State s;
+      FrictionFeedforward::State b;
+      double apart = 0.0;
+      for (int k = 0; k < 3000; ++k) {
+        const MotionAhead r = sine(40e-6, 5.0, k * kPeriod);
+        const double f = law.step(s, r, r.velocity).bristle;
+        const double g = bristle.step(b, r).bristle;
+        if (k > 700) apart = std::max(apart, std::abs(f - g));
+      }
+      EXPECT_LT(apart, 0.01 * level * kLevel) << level << ' ' << stiffness;
+    }
+  }
+  // A distance that is given is that of every place.
+  friction::Model model;
+  model.steady = friction::Conventional<double>{kLevel, 0.0, {}};
+  ReversalParams given;
+  given.distance = 5e-6;
+  const auto share_after = [&](double level) {
+    model.places = {friction::Place{0.0, level, 1.0}};
+    const ReversalFeedforward law(given, model, kPeriod);
+    ReversalFeedforward::State s;
+    for (int k = 0; k < 500; ++k) law.step(s, sine(40e-6, 5.0, k * kPeriod), 0.1);
+    return s.share;
+  };
+  EXPECT_NEAR(share_after(1.0), share_after(4.0), 1e-12);
+}
+
 // What controls add ------------------------------------------------------------------------------------------------------
 
 TEST(Reversal, ShortMovesGetLess) {

@@ -78,13 +78,15 @@ class LapMemory {
   static Vec<double, K> read(const State& s, double place, double width) noexcept {
     const auto reach = static_cast<std::int64_t>(kReach * width) + 1;
     const auto middle = cell_at(place);
-    // wide = exp(−x²/4σ²) and the ratio to its neighbour follow by multiplication; the narrow Gaussian is the square of the wide one.
+    // The wide Gaussian, exp(−x²/4σ²), cell by cell without calling exp(): the next one is this one times `ratio`, and `ratio` itself
+    // changes by the constant factor `bend`. The narrow Gaussian, exp(−x²/2σ²), is the square of the wide one.
     const double scale = 0.25 / (width * width);
     const double x = static_cast<double>(middle - reach) - place;
     double wide = exp(-scale * x * x);
     double ratio = exp(-scale * (2.0 * x + 1.0));
     const double bend = exp(-2.0 * scale);
-    // Both Gaussians have area 1; the weights are relative to the wide one.
+    // 2·(narrow one of area 1) − (wide one of area 1): the narrow one is √2 times as high, and counts twice. A common factor drops out,
+    // because the sum is divided by `total`.
     constexpr double kNarrow = 2.0 * 1.41421356237309515;
     double total = 0.0;
     Vec<double, K> sum;

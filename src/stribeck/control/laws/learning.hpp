@@ -146,7 +146,7 @@ class Learning {
   struct State : Common<N>::State {
     typename Memory::State memory;
     std::array<Command, kHistory> command{};  ///< newest first
-    std::size_t known = 0;                    ///< number of valid entries
+    std::size_t known = 0;                    ///< commands given without a gap in φ or in the samples
     std::array<V, 3> e{};                     ///< tracking errors, newest first [m]
     V missing;                                ///< M of the tick before the last one [N]
     std::array<int, N> held{};                ///< ticks for which an axis does not learn
@@ -196,6 +196,7 @@ class Learning {
       s.known = 0;  // differences over missing ticks would be wrong
       return s.force;
     }
+    if (s.periods > 1) s.known = 0;
     const V e = common_.error(s);
     const V feedback = feedback_(r, e, common_.rate(s));
     s.learned = {};
@@ -241,7 +242,8 @@ class Learning {
     s.e[1] = s.e[0];
     s.e[0] = e;
     if (s.known < whole_ + 4 || !(s.width * abs(moved) < kMostWidth)) return;
-    // M around the last tick.
+    // M around the last tick. s.command[whole_] was given `whole_` ticks before the last one; a and b are what acted in the last period and
+    // in the one before it, each of two commands where the delay has a fraction.
     V missing;
     for (std::size_t i = 0; i < N; ++i) {
       const double a =
@@ -260,7 +262,7 @@ class Learning {
       set_gain(s, params_.learning * s.share);
       begin_pass(s);
     }
-    // The command whose hold has its middle between the last two M.
+    // The command whose hold has its middle between the last two M, and M there: late_ is the share of the newer one.
     const Command& then = s.command[behind_ + 1];
     Vec<double, 2 * N> entry;
     for (std::size_t i = 0; i < N; ++i) {
@@ -372,11 +374,11 @@ class Learning {
   double follow_;  ///< of the low-pass of judge()
   double cells_per_phi_;
   V limit_;
-  std::size_t whole_ = 0;  ///< delay: whole periods
-  double part_ = 0.0;      ///< fractional part of the delay
-  double ahead_ = 0.5;     ///< from the tick to the middle of its hold [periods]
-  std::size_t behind_ = 0;
-  double late_ = 0.5;
+  std::size_t whole_ = 0;   ///< delay: whole periods
+  double part_ = 0.0;       ///< fractional part of the delay
+  double ahead_ = 0.5;      ///< from the tick to the middle of its hold [periods]
+  std::size_t behind_ = 0;  ///< whole part of ahead_
+  double late_ = 0.5;       ///< fractional part of ahead_
 };
 
 }  // namespace stribeck::control

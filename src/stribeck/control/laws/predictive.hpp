@@ -173,7 +173,9 @@ class Predictive {
     return static_cast<std::size_t>(clamp_to(std::ceil(n - 1e-6), 1.0, static_cast<double>(kMost)));
   }
 
-  V step_on(State& s, std::span<const Point> ahead, const V& measured, std::size_t seen) const noexcept {
+  /// `ahead`: the present point and those after it. `stages`: periods for which progress is planned. Times along the programme count in
+  /// periods from the present point; the reference is behind it by the lag.
+  V step_on(State& s, std::span<const Point> ahead, const V& measured, std::size_t stages) const noexcept {
     const double t = setup_.period;
     Point r = ahead[0];
     if (s.lag > 0.0 || s.rate != 1.0) {
@@ -191,7 +193,8 @@ class Predictive {
     std::array<typename Moves::Begin, N> x;
     V speed;
     const double delay = setup_.compensation[0].delay;
-    const double place = s.rate * (delay / t) - s.lag / t;
+    const double place =
+        s.rate * (delay / t) - s.lag / t;  // of the beginning of the hold, on the programme [periods]
     read(s, ahead, place);
     for (std::size_t i = 0; i < N; ++i) {
       const Motion m = begin_of_hold(s, r, measured, i, first);
@@ -208,7 +211,7 @@ class Predictive {
     if (limited_) {
       add_up(s);
       if (N > 1 && params_.slows && (slowed || exceeds(s))) {
-        next = slow(s, ahead, place, seen);
+        next = slow(s, ahead, place, stages);
         slowed = true;
       }
     }
@@ -221,7 +224,14 @@ class Predictive {
       // The speed at the end of the hold is decided now.
       const double a = clamp_to(move[i] + mean(s, i, 0), (-speed_limit_[i] - speed[i]) / t,
                                 (speed_limit_[i] - speed[i]) / t);
-      move[i] = takes_mean(i) ? a - mean(s, i, 0) + foretold(s, r, i, slowed) : a;
+      // What the law hands on contains the acceleration of the reference; a feed-forward that takes the mean over the hold by itself
+      // replaces it, and must find the same value in r. That of a slowed reference changes in steps, so that its mean is used.
+      if (takes_mean(i)) {
+        if (slowed) r.acceleration[i] = mean(s, i, 0);
+        move[i] = a - mean(s, i, 0) + r.acceleration[i];
+      } else {
+        move[i] = a;
+      }
     }
     remember(s, ahead[0]);
     if (slowed) fall_behind(s, next);
@@ -334,12 +344,6 @@ class Predictive {
   [[nodiscard]] bool takes_mean(std::size_t i) const noexcept {
     const auto f = setup_.compensation[i].feedforward;
     return f != Feedforward::kNone && f != Feedforward::kSteady;
-  }
-
-  /// Acceleration of the reference for such a feed-forward. That of a slowed reference changes in steps, so its mean is used.
-  double foretold(const State& s, Point& r, std::size_t i, bool slowed) const noexcept {
-    if (slowed) r.acceleration[i] = mean(s, i, 0);
-    return r.acceleration[i];
   }
 
   [[nodiscard]] bool observed(const State& s, std::size_t i) const noexcept {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <span>
 #include <stribeck/control/laws/contouring.hpp>
 #include <stribeck/control/laws/predictive.hpp>
@@ -654,6 +656,99 @@ double lag_for(std::size_t axis, double speed, double force, const PredictivePar
     longest = std::max(longest, s.lag);
   }
   return longest;
+}
+
+// Only one of two axes has a limit, and friction that takes its part of it: which one stands first is the same.
+TEST(Predictive, AnAxisWithoutALimitChangesNothingOfTheOtherOne) {
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  constexpr double kT = 1e-3;
+  struct Forces {
+    std::vector<double> limited, unlimited;  ///< forces [N]
+    double lag = 0.0;                        ///< largest [s]
+  };
+  const auto run = [&](std::size_t limited, bool slows) {
+    const std::size_t other = 1 - limited;
+    control::Setup<2> setup;
+    setup.period = kT;
+    for (auto& c : setup.compensation) c.feedforward = Feedforward::kSteady;
+    setup.compensation[limited].model.mass = 100.0;
+    setup.compensation[limited].model.load = 20.0;
+    setup.compensation[limited].model.friction.steady = friction::Conventional<double>{60.0, 0.0, {}};
+    setup.compensation[other].model.mass = 300.0;
+    setup.compensation[other].model.friction.steady = friction::Conventional<double>{90.0, 0.0, {}};
+    setup.force_limit[limited] = 300.0;
+    setup.force_limit[other] = kUnlimited;
+    PredictiveParams params;
+    params.slows = slows;
+    const Predictive<2> law(params, setup);
+    const auto s = std::make_unique<Predictive<2>::State>();
+    Forces out;
+    std::array<Vec<double, 2>, 2> axis{};  // position, velocity
+    std::vector<path::PathPoint<2>> points(800);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double t = kT * static_cast<double>(k);
+      // 4 m/s² at most: 400 N beside 80 N.
+      points[k].position[limited] = 10e-3 * (1.0 - std::cos(20.0 * t));
+      points[k].velocity[limited] = 0.2 * std::sin(20.0 * t);
+      points[k].acceleration[limited] = 4.0 * std::cos(20.0 * t);
+      points[k].position[other] = 10e-3 * std::sin(20.0 * t) - 0.2 * t;
+      points[k].velocity[other] = 0.2 * std::cos(20.0 * t) - 0.2;
+      points[k].acceleration[other] = -4.0 * std::sin(20.0 * t);
+    }
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec<double, 2> f = law.step(*s, std::span(points).subspan(k), axis[0]);
+      out.limited.push_back(f[limited]);
+      out.unlimited.push_back(f[other]);
+      out.lag = std::max(out.lag, s->lag);
+      for (const std::size_t i : {limited, other}) {
+        const auto& c = setup.compensation[i].model;
+        const double v = axis[1][i];
+        const double friction = (i == limited ? 60.0 : 90.0) * (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
+        const double a = (f[i] - c.load - friction) / c.mass;
+        axis[0][i] += kT * (v + 0.5 * kT * a);
+        axis[1][i] += kT * a;
+      }
+    }
+    return out;
+  };
+  for (const bool slows : {false, true}) {
+    const Forces first = run(0, slows);
+    const Forces second = run(1, slows);
+    for (std::size_t k = 0; k < first.limited.size(); ++k) {
+      ASSERT_NEAR(first.limited[k], second.limited[k], 1e-6) << k;
+      ASSERT_NEAR(first.unlimited[k], second.unlimited[k], 1e-6) << k;
+    }
+    EXPECT_EQ(*std::max_element(first.limited.begin(), first.limited.end()), 300.0);
+    EXPECT_GT(*std::max_element(first.unlimited.begin(), first.unlimited.end()), 320.0);
+    if (slows) {
+      EXPECT_GT(first.lag, 1e-3);
+    } else {
+      EXPECT_EQ(first.lag, 0.0);
+    }
+  }
+}
+
+// What is not fed forward takes nothing off the force limit.
+TEST(Predictive, WithoutFeedForwardTheFrictionOfTheModelChangesNothing) {
+  const auto forces = [](double friction) {
+    control::Setup<1> setup;
+    setup.compensation[0].model.mass = 100.0;
+    setup.compensation[0].model.friction.steady = friction::Conventional<double>{friction, 0.0, {}};
+    setup.force_limit = {{300.0}};
+    const Predictive<1> law(PredictiveParams{}, setup);
+    const auto s = std::make_unique<Predictive<1>::State>();
+    std::vector<double> all;
+    for (int k = 0; k < 200; ++k) {
+      const double t = setup.period * k;
+      path::PathPoint<1> r;
+      r.position = {{10e-3 * std::sin(20.0 * t)}};
+      r.velocity = {{0.2 * std::cos(20.0 * t)}};
+      r.acceleration = {{-4.0 * std::sin(20.0 * t)}};
+      all.push_back(law.step(*s, r, {{0.8 * r.position[0]}})[0]);
+    }
+    return all;
+  };
+  EXPECT_EQ(forces(0.0), forces(60.0));
 }
 
 TEST(Predictive, ASlowedReferenceBrakesAndAcceleratesAsItsRateDoes) {

@@ -133,7 +133,11 @@ class Repetitive {
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
   V step(State& s, const path::PathPoint<N>& r, const V& measured) const noexcept {
-    if (!common_.begin(s, r, measured)) return s.force;
+    if (s.periods > 1) s.known = 0;
+    if (!common_.begin(s, r, measured)) {
+      s.known = 0;  // the feedback of `lead` ticks ago would be that of another time
+      return s.force;
+    }
     const V e = common_.error(s);
     const V rate = common_.rate(s);
     V feedback;

@@ -34,6 +34,8 @@ void expect_nan_answered(const Params& params) {
   typename Law::State clean;
   const auto r = turning_point();
   const Vec2 x{{1.001e-3, 1.998e-3}};
+  // Some periods first: time passes over the bad ones as well, so that what a law remembers of the reference must have come to rest.
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(law.step(s, r, x), law.step(clean, r, x));
   const Vec2 before = law.step(s, r, x);
   EXPECT_EQ(law.step(clean, r, x), before);
   EXPECT_EQ(law.step(s, r, Vec2{{1e-3, kNan}}), before);

@@ -94,6 +94,7 @@ class Zpetc {
   struct State : Common<N>::State {
     std::array<Past, 3> past;  ///< newest first
     bool has_past = false;
+    int missed = 0;  ///< periods since the newest one, but for this one
   };
 
   Zpetc(const Params& params, const Setup<N>& setup) noexcept
@@ -106,11 +107,13 @@ class Zpetc {
   Vec<double, N> step(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
     double sum = 0.0;  // sum of what will be stored
     for (std::size_t i = 0; i < N; ++i) sum += r.position[i] + r.velocity[i] + r.acceleration[i];
+    miss(s, s.periods - 1);
     if (!isfinite(sum)) {
-      s.status.raise(Status::kNotFinite);
+      miss(s, 1);
+      common_.begin(s, r, measured);  // tells it
       return s.force;
     }
-    const std::array<Past, 3> past = s.has_past ? s.past : before(r);
+    const std::array<Past, 3> past = s.has_past ? until_now(s, r) : before(r);
     path::PathPoint<N> y = r;
     Vec<double, N> feedforward;
     const double t = common_.period();
@@ -129,7 +132,11 @@ class Zpetc {
         feedforward[i] = 1.5 * r.acceleration[i] - 0.5 * past[0].acceleration[i];
       }
     }
-    if (!common_.begin(s, y, measured)) return s.force;
+    if (!common_.begin(s, y, measured)) {
+      miss(s, 1);
+      return s.force;
+    }
+    s.missed = 0;
     s.past = {Past{r.position, r.velocity, r.acceleration}, past[0], past[1]};
     s.has_past = true;
     const Vec<double, N> e = common_.error(s);
@@ -140,6 +147,27 @@ class Zpetc {
   }
 
  private:
+  static void miss(State& s, int periods) noexcept {
+    constexpr int kMany = 1000000;
+    s.missed = s.missed + periods < kMany ? s.missed + periods : kMany;
+  }
+
+  /// The last three references. Those of periods without one lie on the straight line to r: taken for the newest ones, those before a
+  /// missing period would say that the axis accelerates by speed over T.
+  [[nodiscard]] std::array<Past, 3> until_now(const State& s, const path::PathPoint<N>& r) const noexcept {
+    std::array<Past, 3> past = s.past;
+    const int kept = s.missed < 3 ? s.missed : 3;
+    for (int k = s.missed - kept + 1; k <= s.missed; ++k) {
+      const double share = static_cast<double>(k) / (s.missed + 1);
+      const Past& last = s.past[0];
+      past = {Past{last.position + share * (r.position - last.position),
+                   last.velocity + share * (r.velocity - last.velocity),
+                   last.acceleration + share * (r.acceleration - last.acceleration)},
+              past[0], past[1]};
+    }
+    return past;
+  }
+
   /// The samples before the first one, at constant acceleration.
   [[nodiscard]] std::array<Past, 3> before(const path::PathPoint<N>& r) const noexcept {
     std::array<Past, 3> past;

@@ -37,6 +37,9 @@ class AdaptiveFriction {
     return s.beta;
   }
 
+  /// The same without a measurement: β̂ stays, and the velocity follows the model.
+  void predict(State& s, double force) const noexcept { s.velocity += (force - s.beta) / mass_per_period_; }
+
  private:
   double keep_ = 1.0;
   double mass_per_period_ = 0.0;

@@ -51,19 +51,24 @@ class EncoderCheck {
   };
 
   /// One sample of the encoder [m]; reference [m], [m/s], [m/s²]; `periods` since the last sample. Returns the value to use.
+  ///
+  /// Three distances decide: `gate`, how far a sample may lie from a prediction that supervision believes; `reach`, the same after the
+  /// largest force of the last periods, which may have moved the axis farther; `moves`, how far both predictions say that the axis went.
   static double step(State& s, const SupervisionLimits& l, double sample, double r, double rate,
                      double acceleration, int periods = 1) noexcept {
     const double t = l.period * periods;
     turn_window(s, l);
     // A reference that is no number must not enter the prediction: no later sample would agree with it.
     if (!isfinite(r + rate + acceleration)) r = s.reference, rate = acceleration = 0.0;
-    // A jump of the reference is no motion of the axis.
+    // Where the reference jumps (a new programme), the axis does not: ê changes by the jump, so that the first prediction, r + ê + T·ê',
+    // equals the second one, x + T·v.
     if (s.known == 2 && periods == 1 && !(abs(r - s.reference) <= l.noise + kJumps * l.growth))
       s.error = s.used + l.period * s.velocity - l.period * s.error_rate - r;
     s.reference = r + l.period * (rate + 0.5 * l.period * acceleration);
-    const double along = r + s.error + t * s.error_rate;
-    const double onward = s.used + t * s.velocity;
-    const double prediction = s.known == 0 ? r : s.off < kLeaves ? along : onward;
+    // p₁ and p₂ of the header.
+    const double by_error = r + s.error + t * s.error_rate;
+    const double by_speed = s.used + t * s.velocity;
+    const double prediction = s.known == 0 ? r : s.off < kLeaves ? by_error : by_speed;
     const double growth = l.growth * periods * periods;
     const double gate = l.noise + growth * (1.0 + s.in_a_row);
     const double reach =
@@ -73,13 +78,13 @@ class EncoderCheck {
     s.same = sample == s.raw ? s.same + (s.same < kEnough ? 1 : 0) : 0;
     s.raw = sample;
     const double far = abs(sample - s.good);
-    const bool near = abs(sample - along) <= reach || abs(sample - onward) <= reach;
-    const double moves = min_of(abs(along - s.used), abs(onward - s.used));
+    const bool near = abs(sample - by_error) <= reach || abs(sample - by_speed) <= reach;
+    const double moves = min_of(abs(by_error - s.used), abs(by_speed - s.used));
     const bool repeated = s.known == 2 && s.same > 0 && moves > kTrusted * (l.noise + growth) &&
                           moves > kBent * max_of(s.bent[0], s.bent[1]);
     const bool slow = s.known == 0 || far <= l.noise + kFaster * t * l.speed * (1.0 + s.in_a_row);
     if (s.finite && slow && !repeated && (near || s.known < 2)) {
-      believe(s, sample, r, rate, sample - along, gate, t);
+      believe(s, sample, r, rate, sample - by_error, gate, t);
       s.doubt = max_of(s.doubt - kRelief, 0.0);
     } else {
       bridge(s, prediction, r, t);

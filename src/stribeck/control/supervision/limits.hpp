@@ -159,7 +159,8 @@ struct SupervisionLimits {
     growth = min_of(physical, usual) * t * t;
     pushed = kModel / mass * t * t;
     if (p.jump) {
-      // The part that grows follows from physics alone; otherwise bridging would not find back.
+      // The builder's value replaces noise + growth of one period, and large forces permit no more than that. Its part that grows with
+      // bridged samples still follows from physics alone; otherwise bridging would not find back.
       growth = min_of(growth, *p.jump);
       pushed = 0.0;
       noise = *p.jump - growth;

@@ -400,6 +400,41 @@ TEST(Supervisor, LateStepsAreCountedAndTooLateOnesAreAFault) {
   EXPECT_EQ(often.fault(), Fault::kLate);
 }
 
+// Lateness and the reference belong to all axes: the strictest checks of any of them hold, whichever axis is the first.
+TEST(Supervisor, TheStrictestChecksOfAnyAxisHoldForLatenessAndReference) {
+  const auto state = std::make_unique<Watched::State>();
+  const auto fault_of = [&](Checks first, Checks second, bool late, int periods, double bridge_time = 10e-3) {
+    Supervision<2> p = limits();
+    p[0].checks = first;
+    p[1].checks = second;
+    p[1].bridge_time = bridge_time;
+    const Watched watched(ContouringParams::critical(60.0, 60.0), setup(), p);
+    std::construct_at(state.get());
+    for (int k = 0; k < 300 + periods; ++k) {
+      path::PathPoint<2> r = circle(1e-3 * k);
+      const V x = read(r, 1e-3 * k);
+      if (!late && k >= 300) r.position[1] = kNan;
+      watched.step(*state, r, x, late && k >= 300 ? 2.0 * kPeriod : kNan);
+    }
+    return state->watch.fault;
+  };
+  using enum Checks;
+  for (const bool swapped : {false, true}) {
+    const auto of = [&](Checks a, Checks b, bool late, int periods) {
+      return swapped ? fault_of(b, a, late, periods) : fault_of(a, b, late, periods);
+    };
+    EXPECT_EQ(of(kNone, kAll, false, 10), Fault::kNone);
+    EXPECT_EQ(of(kNone, kAll, false, 11), Fault::kCommandLost);
+    EXPECT_EQ(of(kNone, kLost, false, 11), Fault::kCommandLost);
+    EXPECT_EQ(of(kNone, kNone, false, 50), Fault::kNone);
+    EXPECT_EQ(of(kLost, kAll, true, 11), Fault::kLate);
+    EXPECT_EQ(of(kLost, kLost, true, 50), Fault::kNone);
+  }
+  // The shortest time for which any axis may be bridged.
+  EXPECT_EQ(fault_of(kAll, kAll, false, 4, 4e-3), Fault::kNone);
+  EXPECT_EQ(fault_of(kAll, kAll, false, 5, 4e-3), Fault::kCommandLost);
+}
+
 TEST(Supervisor, LatenessWithoutEndIsCountedWithoutOverflow) {
   Supervision<2> lost;
   for (auto& p : lost) p.checks = Checks::kLost;

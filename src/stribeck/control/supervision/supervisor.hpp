@@ -10,6 +10,8 @@
 ///   checks = lost: the law sees every sample and reference unchanged; only samples and references that are NaN or infinite for too long are a fault
 ///   reset   keeps what adaptation had learned 1 to 2 s before the fault; everything else starts anew
 ///
+/// Lateness and the reference belong to all axes together: for them the strictest `checks` and the shortest bridge time of any axis hold.
+/// Everything else is judged for each axis by its own settings.
 /// Without a fault, a bridged or doubtful sample or a limit at the start, forces are those of the law alone, bit for bit.
 /// Supervised<Law, N> is a law with supervision, for callers that know the law; other callers call the three steps themselves.
 /// Source: Stribeck's own; docs/theory/supervision.md.
@@ -64,7 +66,10 @@ class Supervisor {
       motion_[i] = MotionCheck(limits_[i]);
       stop_[i] = SafeStop(limits_[i], setup.compensation[i].model.friction);
       adapts_[i] = setup.compensation[i].adaptation.enabled;
+      if (i == 0 || limits_[i].checks > checks_) checks_ = limits_[i].checks;
     }
+    samples_ = limits_[0].samples;
+    for (const SupervisionLimits& l : limits_) samples_ = l.samples < samples_ ? l.samples : samples_;
     second_ = static_cast<int>(min_of(1.0 / setup.period, 1e9)) + 1;
   }
 
@@ -73,7 +78,7 @@ class Supervisor {
   bool admit(State& s, Law& law, path::PathPoint<N>& r, V& measured,
              double elapsed = std::numeric_limits<double>::quiet_NaN()) const noexcept {
     if (s.fault != Fault::kNone) return false;
-    const int periods = count_periods(s, elapsed);
+    const int periods = law.periods = count_periods(s, elapsed);
     take_command(s, r);
     for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
       law.bridged[i] = law.doubtful[i] = false;
@@ -195,8 +200,7 @@ class Supervisor {
     if (!s.started) return 1;
     if (s.late != UINT32_MAX) ++s.late;
     if (s.late_in_a_row < kEnough) ++s.late_in_a_row;
-    if (limits_[0].checks == Checks::kAll &&
-        (s.late_in_a_row > limits_[0].samples || periods > limits_[0].samples + 0.5))
+    if (checks_ == Checks::kAll && (s.late_in_a_row > samples_ || periods > samples_ + 0.5))
       raise(s, Fault::kLate, 0);
     return static_cast<int>(min_of(periods, kMostPeriods) + 0.5);
   }
@@ -211,12 +215,12 @@ class Supervisor {
     }
     if (isfinite(sum)) {
       s.command_lost = 0;
-    } else if (limits_[0].checks == Checks::kNone) {
+    } else if (checks_ == Checks::kNone) {
       return;
     } else {
       if (s.commands_lost != UINT32_MAX) ++s.commands_lost;
-      if (++s.command_lost > limits_[0].samples) raise(s, Fault::kCommandLost, 0);
-      if (limits_[0].checks == Checks::kLost || !s.started) return;  // the law handles it
+      if (++s.command_lost > samples_) raise(s, Fault::kCommandLost, 0);
+      if (checks_ == Checks::kLost || !s.started) return;  // the law handles it
       const double t = limits_[0].period;
       r = s.last;
       r.position = r.position + t * r.velocity + (0.5 * t * t) * r.acceleration;
@@ -237,6 +241,8 @@ class Supervisor {
   }
 
   std::array<SupervisionLimits, N> limits_;
+  Checks checks_ = Checks::kAll;  ///< strictest of all axes
+  int samples_ = 3;               ///< fewest that an axis may bridge in a row
   std::array<MotionCheck, N> motion_;
   std::array<SafeStop, N> stop_;
   std::array<bool, N> adapts_{};
