@@ -23,6 +23,8 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
   }
   s.voltage = 0.0;
   s.last_held = 0.0;
+  s.last_acting = 0.0;
+  s.begin_period(0.0);
   s.ticks = 0.0;
   s.fidelity = fidelity;
   s.noise.reset();
@@ -87,6 +89,21 @@ double Axis::velocity() const {
 }
 double Axis::friction_force() const {
   return std::visit([](const auto& m) { return m.friction_force(); }, implementation_->mechanics);
+}
+double Axis::force() const {
+  const Implementation& s = *implementation_;
+  const auto* motor = std::get_if<VoltageDrive>(&s.params.drive);
+  if (motor == nullptr) return s.params.force_gain() * s.acting;
+  // The equation of the current, integrated over the period:  L·Δi = (k_u·u − R·i)·T − K_e·r_g·Δx  with means u, i.
+  return std::visit(
+      [&](const auto& m) {
+        const double induced =
+            motor->inductance * (m.current() - s.begin_current) +
+            motor->back_emf * motor->screw_ratio() * (m.drive_position() - s.begin_position);
+        const double current = (motor->amplifier_gain * s.acting - induced / s.period) / motor->resistance;
+        return motor->torque_constant * motor->screw_ratio() * current;
+      },
+      s.mechanics);
 }
 bool Axis::has_loop() const { return implementation_->loop.has_value(); }
 bool Axis::reports_force() const {

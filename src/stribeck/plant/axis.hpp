@@ -49,8 +49,10 @@ class Axis {
   [[nodiscard]] double position() const;        ///< true, of the table [m]
   [[nodiscard]] double velocity() const;        ///< true, of the drive side [m/s]
   [[nodiscard]] double friction_force() const;  ///< true [N]
-  [[nodiscard]] bool has_loop() const;          ///< whether it has a drive_loop
-  [[nodiscard]] bool reports_force() const;     ///< whether its drive_loop has force_feedback
+  /// Of the drive, mean over the last period, as its current tells it: with back EMF and delay, without torque ripple [N].
+  [[nodiscard]] double force() const;
+  [[nodiscard]] bool has_loop() const;       ///< whether it has a drive_loop
+  [[nodiscard]] bool reports_force() const;  ///< whether its drive_loop has force_feedback
   [[nodiscard]] double voltage()
       const;  ///< last, after the D/A converter; mean over the period with a drive_loop [V]
   [[nodiscard]] double current()

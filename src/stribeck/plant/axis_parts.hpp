@@ -72,6 +72,9 @@ struct Axis::Implementation {
           if (part <= 0.0) return m.advance(held, period, fidelity.substeps);
           Held first = held;
           first.voltage = last_held;
+          const double now = acting;
+          acting += part * (last_acting - acting);
+          last_acting = now;
           last_held = held.voltage;
           const int before =
               std::clamp(static_cast<int>(std::lround(part * fidelity.substeps)), 1, fidelity.substeps);
@@ -87,7 +90,25 @@ struct Axis::Implementation {
     double out = clamp_to(wanted, -da.range, da.range);
     if (fidelity.quantised) out = clamp_to(rounded_to(out, da.step()), -da.range, da.range - da.step());
     voltage = out;
-    return {ripple() * delayed(waiting, out), against(), against_table(cutting)};
+    const double turned = ripple();
+    const double late = delayed(waiting, out);
+    begin_period(seen(turned) * late);
+    return {turned * late, against(), against_table(cutting)};
+  }
+
+  /// What Axis::force() needs of the period that begins; `volts`: mean voltage that acts in it, as the current shows it [V].
+  void begin_period(double volts) {
+    acting = volts;
+    std::visit(
+        [&](const auto& m) {
+          begin_position = m.drive_position();
+          begin_current = m.current();
+        },
+        mechanics);
+  }
+  /// The torque ripple as far as the current shows it: in a voltage drive alone.
+  [[nodiscard]] double seen(double turned) const {
+    return std::holds_alternative<VoltageDrive>(params.drive) ? turned : 1.0;
   }
 
   /// Load and noise on the drive side in the coming period [N].
@@ -116,6 +137,7 @@ struct Axis::Implementation {
     const double against_now = against();
     const double per_force = 1.0 / params.force_gain();
     const double turned = ripple();
+    begin_period(0.0);
     double sum = 0.0;
     for (int i = 0; i < loop->cycles(); ++i) {
       std::visit(
@@ -127,6 +149,7 @@ struct Axis::Implementation {
           mechanics);
     }
     voltage = sum / loop->cycles();
+    acting = seen(turned) * voltage;
   }
 
   AxisParams params;
@@ -140,7 +163,11 @@ struct Axis::Implementation {
   std::array<double, 8> waiting_offsets{};
   double voltage = 0.0;
   double last_held = 0.0;  ///< voltage of the period before, after delay_periods
-  double ticks = 0.0;      ///< since start() [periods]
+  double acting = 0.0;     ///< mean voltage that acts in the last period, as the current shows it
+  double last_acting = 0.0;
+  double begin_position = 0.0;  ///< of the drive side at the beginning of the last period [m]
+  double begin_current = 0.0;   ///< [A]
+  double ticks = 0.0;           ///< since start() [periods]
 };
 
 }  // namespace stribeck::plant

@@ -165,6 +165,10 @@ class Mechanics {
     return p;
   }
 
+  // How many steps: count() chooses the number for the whole period from the speed at its start. substep() looks again at each of them, and
+  // where the axis has become so fast that a step would be unstable, divide() makes several of it; spare_ bounds how many more a period may
+  // get in all.
+
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) noexcept {
     spare_ = static_cast<int>(kMostPlantSubsteps);

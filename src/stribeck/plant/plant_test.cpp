@@ -208,6 +208,44 @@ TEST(VoltageDrive, RunsUntilBackEmfBalancesTheVoltage) {
   EXPECT_NEAR(axis.velocity(), 2.0 / (0.05 * 2 * kPi / 5e-3), 1e-6);
 }
 
+// The force that acts, not that of a motor that stands: the voltage alone would say 1.5·6 V/2 Ω·K_t·r_g at any speed.
+TEST(VoltageDrive, TellsTheForceThatActs) {
+  auto p = voltage_drive();
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(0.0, kExact, {});
+  EXPECT_EQ(axis.force(), 0.0);
+  // Force is mass times acceleration, and friction, over every period.
+  double worst = 0.0;
+  double worst_now = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double v = axis.velocity();
+    const double before = axis.friction_force();
+    axis.step(k < 1500 ? 6.0 : -3.0);
+    const double net = p.mass * (axis.velocity() - v) / kPeriod + 0.5 * (before + axis.friction_force());
+    if (k % 1500 > 20) worst = std::max(worst, std::abs(axis.force() - net));
+    if (k == 1499 || k == 2999)
+      worst_now = std::max(worst_now, std::abs(axis.force() - axis.friction_force()));
+  }
+  EXPECT_LT(worst, 0.01 * p.force_gain() * 6.0);
+  EXPECT_LT(worst_now, 1e-3 * p.force_gain() * 6.0) << "in balance with friction at the end";
+}
+
+TEST(CurrentDrive, TellsTheForceThatActs) {
+  auto p = biaxial_x();
+  p.delay_periods = 2;
+  p.delay_fraction = 0.25;
+  Axis axis(p, kPeriod, 0.02);
+  axis.start(0.0, kExact, {});
+  const double gain = p.force_gain();
+  std::vector<double> told;
+  for (const double u : {1.0, -2.0, 3.0, 0.5, 0.0, 0.0}) {
+    axis.step(u);
+    told.push_back(axis.force() / gain);
+  }
+  const std::array expected{0.0, 0.0, 0.75, -1.25, 1.75, 1.125};
+  for (std::size_t k = 0; k < told.size(); ++k) EXPECT_NEAR(told[k], expected[k], 1e-12) << k;
+}
+
 TEST(VoltageDrive, RotorInertiaComesOnTopThroughTheScrew) {
   auto p = voltage_drive();
   p.rotor_inertia = 1e-5;

@@ -110,21 +110,20 @@ void move_drives(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
 
 /// Mean forces of the past period as the drives report them; NaN where a drive does not [N].
 template <std::size_t N>
-Vec<double, N> reported(const std::vector<plant::Axis>& axes, const std::vector<double>& gain) {
+Vec<double, N> reported(const std::vector<plant::Axis>& axes) {
   Vec<double, N> force;
   for (std::size_t i = 0; i < N; ++i)
-    force[i] = axes[i].reports_force() ? gain[i] * axes[i].voltage() : Metrics::kUnknown;
+    force[i] = axes[i].reports_force() ? axes[i].force() : Metrics::kUnknown;
   return force;
 }
 
 /// The force and voltage that the loops of the drives made, known only afterwards.
 template <std::size_t N>
-void note_loops(ContourSample& sample, const std::vector<plant::Axis>& axes,
-                const std::vector<double>& gain) {
+void note_loops(ContourSample& sample, const std::vector<plant::Axis>& axes) {
   for (std::size_t i = 0; i < N; ++i) {
     if (!axes[i].has_loop()) continue;
     sample.voltage[i] = axes[i].voltage();
-    sample.force[i] = gain[i] * axes[i].voltage();
+    sample.force[i] = axes[i].force();
   }
 }
 
@@ -150,7 +149,7 @@ template <std::size_t N>
 void commanded(Tick<N>& tick, LawRunner<N>& law, std::span<const path::PathPoint<N>> points,
                const Vec<double, N>* added, const std::vector<plant::Axis>& axes,
                const std::vector<double>& gain) {
-  law.acted(reported<N>(axes, gain));
+  law.acted(reported<N>(axes));
   tick.force = law.step_ahead(points, tick.encoder);
   if (added != nullptr) tick.force = tick.force + *added;
   tick.command = law.command();
@@ -163,14 +162,14 @@ void commanded(Tick<N>& tick, LawRunner<N>& law, std::span<const path::PathPoint
 /// Called after the drives have moved.
 template <std::size_t N>
 typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vector<plant::Axis>& axes,
-                                            const std::vector<double>& gain, double period) {
+                                            double period) {
   typename MetricsCollector<N>::Sample s{tick.error,     tick.tracking,    {},  {},           {},
                                          tick.in_glitch, tick.orientation, 0.0, tick.position};
   for (std::size_t i = 0; i < N; ++i) {
     s.voltage[i] = axes[i].voltage();
     s.current[i] = axes[i].current();
     s.power[i] = axes[i].power();
-    s.mechanical_power += gain[i] * axes[i].voltage() * (axes[i].position() - tick.position[i]) / period;
+    s.mechanical_power += axes[i].force() * (axes[i].position() - tick.position[i]) / period;
   }
   return s;
 }
@@ -207,8 +206,8 @@ class RunInProgress {
   }
   /// After they have moved.
   void end() {
-    if (seen_ != nullptr) note_loops<N>(seen_->back(), axes_, gain_);
-    if (tick_.scored) metrics_.add(scored(tick_, axes_, gain_, period_));
+    if (seen_ != nullptr) note_loops<N>(seen_->back(), axes_);
+    if (tick_.scored) metrics_.add(scored(tick_, axes_, period_));
   }
 
   [[nodiscard]] const Tick<N>& tick() const { return tick_; }
@@ -310,7 +309,7 @@ ContourSample Drives::tick(LawRunner<N>& law, const AnyPath& path, std::span<con
   commanded<N>(tick, law, points, nullptr, axes_, gain_);
   ContourSample sample = sample_of(tick, points.front(), axes_);
   move_drives(axes_, tick);
-  note_loops<N>(sample, axes_, gain_);
+  note_loops<N>(sample, axes_);
   return sample;
 }
 

@@ -37,10 +37,10 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
     if (axis.plant.second_encoder) second.push_back(plant.second_encoder());
     const Output out = control(k, x);
     plant.step(plant.has_loop() ? out.command : out.force / gain, 0.0, out.offset);
-    const double f = plant.has_loop() ? gain * plant.voltage() : out.force;
+    const double f = plant.has_loop() ? plant.force() : out.force;
     log.t.push_back(static_cast<double>(k) * machine.sample_time);
     log.x.push_back(x);
-    log.u.push_back(f / gain);
+    log.u.push_back(plant.has_loop() ? plant.voltage() : f / gain);
     log.f.push_back(f);
   }
   return log;

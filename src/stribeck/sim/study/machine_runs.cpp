@@ -83,6 +83,7 @@ class MachineRuns::Loops {
   Loops& operator=(const Loops&) = delete;
   virtual ~Loops() = default;
   [[nodiscard]] virtual std::size_t size() const = 0;
+  [[nodiscard]] virtual const std::vector<Calmed>& calmed() const = 0;
   [[nodiscard]] virtual std::vector<RunsOfMachine> run(std::span<const MachineTrial> machines) const = 0;
 };
 
@@ -98,6 +99,9 @@ class MachineRuns::LoopsOf : public Loops {
       for (const auto& p : route->points) fastest_ = std::max(fastest_, norm(p.velocity));
       for (const ControllerSpec& c : specs) {
         auto setup = make_setup<N>(nominal, knowledge, axes, c);
+        for (const std::size_t i : calm<N>(setup, c)) {
+          if (controllers_.size() < specs.size()) calmed_.push_back({controllers_.size(), i});
+        }
         setup.lap = route->lap;
         routes_.push_back(guide_motors<N>(route, nominal, knowledge, axes, c, setup));
         controllers_.push_back(make_controller<N>(c.law, setup));
@@ -106,6 +110,7 @@ class MachineRuns::LoopsOf : public Loops {
   }
 
   [[nodiscard]] std::size_t size() const override { return controllers_.size(); }
+  [[nodiscard]] const std::vector<Calmed>& calmed() const override { return calmed_; }
 
   [[nodiscard]] std::vector<RunsOfMachine> run(std::span<const MachineTrial> machines) const override {
     std::vector<RunsOfMachine> all(machines.size());
@@ -135,6 +140,7 @@ class MachineRuns::LoopsOf : public Loops {
   double fastest_ = 0.0;
   std::vector<std::shared_ptr<const Route<N>>> routes_;
   std::vector<AnyController<N>> controllers_;
+  std::vector<Calmed> calmed_;  ///< on the first travel
 };
 
 MachineRuns::MachineRuns(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
@@ -147,6 +153,8 @@ MachineRuns::MachineRuns(const Machine& nominal, const std::vector<AxisKnowledge
 }
 
 std::size_t MachineRuns::size() const { return loops_->size(); }
+
+const std::vector<MachineRuns::Calmed>& MachineRuns::calmed() const { return loops_->calmed(); }
 
 std::vector<RobustRun> MachineRuns::run(const Machine& machine, std::uint32_t trial) const {
   const MachineTrial one{machine, trial};

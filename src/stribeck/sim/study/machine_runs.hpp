@@ -7,6 +7,9 @@
 ///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
 ///           result, not an error.
 ///
+/// As in compare(), a controller that adapts begins with the disturbance observer on late axes where a Kalman observer would leave too
+/// little margin (calm()).
+///
 /// The number of sub-steps follows from the fastest rate of the machine; choose_substeps() would cost more than the runs. Measured
 /// on 40 machines: docs/theory/robustness.md.
 /// Several machines run in step (Drives::run_together), which gives the same results in less time; kTogether of them fill the packs.
@@ -79,6 +82,13 @@ class MachineRuns {
 
   /// Number of travels times controllers.
   [[nodiscard]] std::size_t size() const;
+
+  /// An axis on which a controller goes without its Kalman observer, see calm(). The gains are the same on all travels.
+  struct Calmed {
+    std::size_t controller = 0;
+    std::size_t axis = 0;  ///< of the path
+  };
+  [[nodiscard]] const std::vector<Calmed>& calmed() const;
 
   /// On a machine with the axes of the nominal one; travel by travel, controller by controller. The noise depends on seed and trial.
   [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/sim/study/machine_runs.hpp>
+#include <stribeck/sim/study/robustness.hpp>
 #include <stribeck/sim/study/variation.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
@@ -48,6 +49,36 @@ TEST(MachineRuns, TogetherGiveTheBitsOfEachAlone) {
     }
   }
   EXPECT_NE(together[0].runs[0].metrics.rms, together[1].runs[0].metrics.rms);
+}
+
+// compare() and a study with the same controllers differed.
+TEST(MachineRuns, LateAxesHaveTheObserverThatCompareGivesThem) {
+  Machine late = test::biaxial_table();
+  late.axes[1].second.plant.delay_periods = 2;
+  std::vector<AxisKnowledge> knowledge = test::printed();
+  for (AxisKnowledge& k : knowledge) k.whole = k.gaussian;
+  knowledge[1].whole->delay = 2.0 * late.sample_time;
+  CompareSpec spec;
+  spec.travels = {test::circle(3e-3, 0.3), test::circle(9.5e-3, 0.3)};
+  spec.controllers = robust_controllers();
+  spec.trials = 1;
+  const CompareResult compared = compare(late, knowledge, spec);
+  const MachineRuns runs(late, knowledge, spec.travels, {0, 1}, spec.controllers, spec.seed);
+  std::size_t calmed = 0;
+  for (const CompareRow& row : compared.rows) calmed += row.travel == 0 ? row.calmed.size() : 0;
+  ASSERT_GT(calmed, 0U);
+  ASSERT_EQ(runs.calmed().size(), calmed);
+  for (const MachineRuns::Calmed& c : runs.calmed()) {
+    EXPECT_EQ(compared.rows[c.controller].calmed, std::vector<std::size_t>{c.axis});
+    EXPECT_EQ(c.axis, 1U);
+  }
+  // 1 %: the two take other numbers of sub-steps.
+  const std::vector<RobustRun> nominal = runs.run(late, 0);
+  ASSERT_EQ(nominal.size(), compared.rows.size());
+  for (std::size_t i = 0; i < nominal.size(); ++i)
+    EXPECT_NEAR(nominal[i].metrics.rms, compared.rows[i].mean.rms, 0.01 * compared.rows[i].mean.rms)
+        << compared.rows[i].controller.id;
+  EXPECT_TRUE(two_controllers(test::biaxial_table()).calmed().empty());
 }
 
 TEST(MachineRuns, AMachineThatIsRefusedDoesNotStopTheOthers) {
