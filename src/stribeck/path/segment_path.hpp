@@ -103,10 +103,23 @@ struct Segment {
     return x;
   }
 
-  /// The place nearest to p, searched from x.
+  /// The place nearest to p, searched from x. A corner may have two: one on its way in and one on its way out.
   [[nodiscard]] double nearest(const Vec<double, N>& p, double x) const noexcept {
     if (kind == SegmentKind::kLine) return clamp_to(dot(p - c[0], c[1]), 0.0, length);
-    x = clamp_to(x, 0.0, length);
+    const double from_here = nearby(p, clamp_to(x, 0.0, length));
+    if (kind != SegmentKind::kCorner) return from_here;
+    constexpr int kLooks = 8;
+    double other = from_here, least = norm(p - point(from_here));
+    for (int k = 0; k <= kLooks; ++k) {
+      const double place = length * k / kLooks, distance = norm(p - point(place));
+      if (distance < least) least = distance, other = place;
+    }
+    return other == from_here ? from_here : nearby(p, other);
+  }
+
+ private:
+  /// Newton's iteration from x, to the least distance on its slope.
+  [[nodiscard]] double nearby(const Vec<double, N>& p, double x) const noexcept {
     for (int i = 0; i < 12; ++i) {
       const auto q = derivatives<2>(x);
       const auto d = p - q[0];

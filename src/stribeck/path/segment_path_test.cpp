@@ -150,6 +150,27 @@ TEST(Segment, TheNearestPlaceIsFoundDeepInsideAnArc) {
   }
 }
 
+// A corner that turns back by 146 degrees: its two legs run side by side. The least of 2000 places along it is the nearest.
+TEST(Segment, TheNearestPlaceOfASharpCornerIsOnEitherLeg) {
+  const double turn = 146.0 * kPi / 180.0;
+  const Segment<2> in = line({{0.0, 0.0}}, {{0.01, 0.0}});
+  const Segment<2> out = line({{0.01, 0.0}}, {{0.01 + 0.01 * std::cos(turn), 0.01 * std::sin(turn)}});
+  const Segment<2> corner = make_corner(in, in.length - 2e-3, out, 2e-3);
+  for (const double along : {0.05, 0.2, 0.4, 0.6, 0.8, 0.95}) {
+    for (const double off : {-2e-5, 2e-5}) {
+      const auto q = corner.derivatives<1>(along * corner.length);
+      const Point p{{q[0][0] - off * q[1][1], q[0][1] + off * q[1][0]}};
+      double least = 1.0;
+      for (int k = 0; k <= 2000; ++k)
+        least = std::min(least, norm(p - corner.point(corner.length * k / 2000.0)));
+      for (const double start : {0.0, 0.3, 0.5, 0.7, 1.0}) {
+        const double found = corner.nearest(p, start * corner.length);
+        EXPECT_LE(norm(p - corner.point(found)), least + 1e-9) << along << ' ' << start;
+      }
+    }
+  }
+}
+
 TEST(Segment, ASpiralIsAsLongAsCalculusSays) {
   // r = a(1 + Θ·ψ/2π) over one turn, with a = 10 mm and Θ = 1: arc length of an Archimedean spiral in closed form.
   Segment<2> s = arc({{0.0, 0.0}}, 0.01, 0.0, 2.0 * kPi);

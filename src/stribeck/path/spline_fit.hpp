@@ -4,7 +4,7 @@
 ///   exact     ∫|q'''|² dφ → min,  q(φ_i) = p_i:  q''' and q'''' are continuous at the knots, unknown are q', q'' there
 ///   smoothed  Σ|z_i − p_i|² + λ·∫|q'''|² dφ → min,  λ the largest with max|z_i − p_i| ≤ tolerance; then exact through z
 ///             (R + λQᵀQ)·γ = Qᵀp,  z = p − λQγ,  q''' = Σγ_j M_j on quadratic B-splines, Q third divided differences
-///   ends      q', q'' of the polynomial through the six points there (no order is lost); or q''' = q'''' = 0; or given
+///   ends      q', q'' of the polynomial through the six points there (no order is lost), three where their steps are uneven; or q''' = q'''' = 0; or given
 ///   φ         chord lengths, then twice the arc length of the previous spline: with chords alone the order is four where the spacing
 ///             changes, with this it is six; or given knots
 ///
@@ -35,7 +35,8 @@ enum class SplineStatus : std::uint8_t {
   kKnotsDoNotAscend,   ///< or their number is wrong: one per point, closed one more
   kToleranceNegative,  ///< or not a number
   kTooUneven,          ///< the steps before and after the point differ more than 10⁶-fold
-  kMemoryTooSmall      ///< see spline_segments and spline_rows
+  kLeavesPoints,   ///< the spline is far longer than the distance to the next point, or leaves a long step
+  kMemoryTooSmall  ///< see spline_segments and spline_rows
 };
 
 constexpr std::string_view describe(SplineStatus s) noexcept {
@@ -54,6 +55,9 @@ constexpr std::string_view describe(SplineStatus s) noexcept {
       return "the tolerance is negative or not a number";
     case SplineStatus::kTooUneven:
       return "the steps before and after a point differ more than a million-fold";
+    case SplineStatus::kLeavesPoints:
+      return "a spline leaves the line from this point to the next by far: the points are too far apart for the curve between them, as "
+             "those of a straight line beside those of an arc; add points along the long steps, or join the points with corners";
     case SplineStatus::kMemoryTooSmall:
       return "the memory given is too small";
   }
@@ -124,10 +128,13 @@ class SplineFitter {
       knots_from_arcs();
       interpolate();
     }
+    const bool by_arcs = options_.knots.empty() && options_.ends != SplineEnds::kGiven;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
       for (const Point& c : segments_[i].c) {
         if (!finite(c)) return {SplineStatus::kTooUneven, i, 0.0};
       }
+      if (by_arcs && (length_of(i) > kLongest * chord_of(i) || leaves_long_step(i)))
+        return {SplineStatus::kLeavesPoints, i, 0.0};
     }
     spline = QuinticSpline<N>(segments_, rows_[segments_.size()].knot, options_.closed);
     return fit;
@@ -136,6 +143,9 @@ class SplineFitter {
  private:
   static constexpr std::size_t kFewestSmoothed = 8;
   static constexpr int kArcPasses = 2;
+  static constexpr double kUneven = 5.0;  // ratio of steps
+  static constexpr double kOfChord = 0.005;
+  static constexpr double kLongest = 1.5;     // a quarter of a circle is 1.11 of its chord, half of one 1.57
   static constexpr double kMostUneven = 1e6;  // from 1e7 on rounding shows, at 1e8 the result is wrong
 
   static bool finite(const Point& p) noexcept {
@@ -189,30 +199,78 @@ class SplineFitter {
     }
   }
 
-  /// |q'| integrated over each segment; five Gauss points are exact to the tenth power of its length.
-  void knots_from_arcs() noexcept {
+  /// |q'| integrated over a segment; five Gauss points are exact to the tenth power of its length.
+  [[nodiscard]] double length_of(std::size_t i) const noexcept {
     constexpr std::array kAt{0.0, 0.5384693101056831, 0.9061798459386640};
     constexpr std::array kWeight{128.0 / 225.0, 0.4786286704993665, 0.2369268850561891};
+    const double half = 0.5 * step(i);
+    double length = 0.0;
+    for (int k = -2; k <= 2; ++k) {
+      const std::size_t at = static_cast<std::size_t>(k < 0 ? -k : k);
+      const double u = half * (1.0 + (k < 0 ? -kAt[at] : kAt[at]));
+      Point d;
+      for (std::size_t c = 5; c >= 1; --c) d = u * d + static_cast<double>(c) * segments_[i].c[c];
+      length += half * kWeight[at] * norm(d);
+    }
+    return length;
+  }
+
+  /// Angle between the steps that meet at a point; at an end of an open path none.
+  [[nodiscard]] double turn_at(std::size_t i) const noexcept {
+    if (!options_.closed && (i == 0 || i + 1 == n_)) return 0.0;
+    const Point to = rows_[i].value - rows_[i == 0 ? n_ - 1 : i - 1].value;
+    const Point from = rows_[wrapped(i + 1)].value - rows_[i].value;
+    const double cosine = dot(to, from) / (norm(to) * norm(from));
+    return acos(cosine < -1.0 ? -1.0 : cosine > 1.0 ? 1.0 : cosine);
+  }
+
+  /// Whether the spline leaves a step that is far longer than one beside it by more than three arcs through its turns would.
+  [[nodiscard]] bool leaves_long_step(std::size_t i) const noexcept {
+    const double chord = chord_of(i);
+    const std::size_t count = segments_.size();
+    const bool has_last = options_.closed || i > 0, has_next = options_.closed || i + 1 < count;
+    const bool is_long = (has_last && chord > kUneven * chord_of(i > 0 ? i - 1 : count - 1)) ||
+                         (has_next && chord > kUneven * chord_of(i + 1 < count ? i + 1 : 0));
+    if (!is_long) return false;
+    // An arc that turns by θ at either end leaves its chord by θ/8.
+    const double allowed = chord * (3.0 / 16.0 * (turn_at(i) + turn_at(wrapped(i + 1))) + kOfChord);
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const double u = share * step(i);
+      Point q;
+      for (std::size_t c = 6; c-- > 0;) q = u * q + segments_[i].c[c];
+      const Point along = (1.0 / chord) * (rows_[wrapped(i + 1)].value - rows_[i].value);
+      const Point off = q - rows_[i].value;
+      if (norm(off - dot(off, along) * along) > allowed) return true;
+    }
+    return false;
+  }
+
+  void knots_from_arcs() noexcept {
     double end = 0.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-      const double half = 0.5 * step(i);
+      const double length = length_of(i);
       rows_[i].knot = end;
-      for (int k = -2; k <= 2; ++k) {
-        const std::size_t at = static_cast<std::size_t>(k < 0 ? -k : k);
-        const double u = half * (1.0 + (k < 0 ? -kAt[at] : kAt[at]));
-        Point d;
-        for (std::size_t c = 5; c >= 1; --c) d = u * d + static_cast<double>(c) * segments_[i].c[c];
-        end += half * kWeight[at] * norm(d);
-      }
+      end += length;
     }
     rows_[segments_.size()].knot = end;
   }
+  [[nodiscard]] double chord_of(std::size_t i) const noexcept {
+    return norm(rows_[wrapped(i + 1)].value - rows_[i].value);
+  }
 
-  /// q' and q'' at an end from the polynomial through the points next to it.
+  /// q' and q'' at an end from the polynomial through the points next to it: six, or three where the steps between the six are uneven,
+  /// because a polynomial of high order leaves them far beside the long steps.
   [[nodiscard]] std::array<Point, 2> end_of_polynomial(bool last) const noexcept {
-    constexpr std::size_t kMost = 6;
-    const std::size_t m = n_ < kMost ? n_ : kMost;
+    constexpr std::size_t kMost = 6, kFew = 3;
     const auto index = [&](std::size_t k) { return last ? n_ - 1 - k : k; };
+    std::size_t m = n_ < kMost ? n_ : kMost;
+    double shortest = step(last ? n_ - 2 : 0), longest = shortest;
+    for (std::size_t k = 0; k + 1 < m; ++k) {
+      const double h = step(last ? n_ - 2 - k : k);
+      shortest = h < shortest ? h : shortest;
+      longest = h > longest ? h : longest;
+    }
+    if (options_.knots.empty() && m > kFew && longest > kUneven * shortest) m = kFew;
     std::array<Point, kMost> difference;
     for (std::size_t k = 0; k < m; ++k) difference[k] = rows_[index(k)].value;
     for (std::size_t order = 1; order < m; ++order) {

@@ -599,5 +599,40 @@ TEST(Spline, SaysWhatIsWrongAndWhere) {
   }
 }
 
+/// A line, a quarter of a circle of 10 mm in twenty steps, and a line: what CAM writes. `line`: length of both lines in one step.
+std::vector<Vec2> line_arc_line(double line) {
+  std::vector<Vec2> points{{{0.1 - line, 0.0}}, {{0.1, 0.0}}};
+  for (int i = 1; i <= 20; ++i) {
+    const double a = i * 3.14159265358979 / 40.0;
+    points.push_back({{0.1 + 0.01 * std::sin(a), 0.01 - 0.01 * std::cos(a)}});
+  }
+  points.push_back({{0.11, 0.01 + line}});
+  return points;
+}
+
+// The ends of a polynomial through six uneven points left the line of 20 mm by 24 mm, and one of 100 mm by more than the universe is wide.
+TEST(SplineFit, LongStepsBesideShortOnesAreKeptOrRefused) {
+  for (const double length : {1e-3, 3e-3, 8e-3, 20e-3, 0.1}) {
+    const Fitted<2> f = fitted<2>(line_arc_line(length));
+    if (f.fit.status == SplineStatus::kLeavesPoints) {
+      EXPECT_GT(length, 10e-3) << length;
+      EXPECT_LT(f.fit.index, 23U);
+      continue;
+    }
+    ASSERT_EQ(f.fit.status, SplineStatus::kOk) << length;
+    double farthest = 0.0;
+    for (int k = 0; k <= 1000; ++k) {
+      const Vec2 q = f.path.point(f.path.period() * k / 1000.0);
+      // From the line along x, the quarter of the circle and the line along y.
+      const double x = q[0] - 0.1, y = q[1] - 0.01;
+      const double from_line =
+          std::min({std::hypot(std::max(0.0, x), q[1]), std::hypot(x - 0.01, std::min(0.0, y)),
+                    x > 0.0 && y < 0.0 ? std::abs(std::hypot(x, y) - 0.01) : 1.0});
+      farthest = std::max(farthest, from_line);
+    }
+    EXPECT_LT(farthest, 0.03 * length) << length;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::path::spline_test
