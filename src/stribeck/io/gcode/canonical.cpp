@@ -211,6 +211,7 @@ void CanonicalReader::arc(std::string_view call, std::string_view arguments) {
       frame_changed_ ? std::hypot(to[0] - above[0], to[1] - above[1], to[2] - above[2]) <= kPrinted * unit_
                      : here_[axes[0]] == end[axes[0]] && here_[axes[1]] == end[axes[1]];
   motion(call, move, end);
+  around_seen_ = around_seen_ || around;
   if (around) moves_.back().to = above;
 }
 

@@ -65,6 +65,8 @@ class CanonicalReader {
   [[nodiscard]] const std::vector<CanonicalMove>& moves() const noexcept { return moves_; }
   /// Whether a part of the program was in inches.
   [[nodiscard]] bool inches() const noexcept { return inches_seen_; }
+  /// Whether an arc goes once around: its end is printed as its start.
+  [[nodiscard]] bool once_around() const noexcept { return around_seen_; }
   /// Whether a tool was called.
   [[nodiscard]] bool tools() const noexcept { return tools_seen_; }
   /// The first such feed; absent: every feed is used in the unit in which it was set.
@@ -101,6 +103,7 @@ class CanonicalReader {
   std::optional<double> tolerance_;
   bool frame_changed_ = false;  ///< since the last move
   bool inches_seen_ = false;
+  bool around_seen_ = false;
   bool tools_seen_ = false;
 };
 

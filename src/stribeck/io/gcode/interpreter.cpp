@@ -15,6 +15,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/gcode/interpreter.hpp>
+#include <stribeck/io/gcode/short_arcs.hpp>
 #include <stribeck/io/process/child_process.hpp>
 #include <string_view>
 
@@ -303,6 +304,16 @@ PartProgram read_part_program(const std::string& file, const InterpreterOptions&
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw InputError(complaint(file, program, listener.said()));
   const CanonicalReader& reader = listener.reader();
+  if (const auto arc = reader.once_around() ? arc_too_short_to_print(program) : std::nullopt) {
+    throw InputError(
+        {file,
+         arc->line,
+         {},
+         fmt::format(
+             "an arc ends {:.3g} of its unit from its start: the interpreter prints four decimals, in which it looks like "
+             "a full circle (take the arc out{})",
+             arc->distance, reader.inches() ? ", or write the program in millimetres, G21" : "")});
+  }
   return {reader.moves(), reader.inches(), reader.tools() || takes_tool_offsets(program),
           reader.foreign_feed()};
 }

@@ -83,6 +83,30 @@ TEST_F(Interpreter, OffsetsOfToolsAreSeenInTheProgram) {
     EXPECT_FALSE(tools(program)) << program;
 }
 
+// The interpreter prints the end as the start, and the arc would be a full circle of 32 mm.
+TEST_F(Interpreter, AnArcTooShortForItsDecimalsIsRefused) {
+  const std::string head = "G20 G17 G90\nF10\nG0 X0 Y0\nG1 X.2\n";
+  const std::string script =
+      "echo '1 N..... USE_LENGTH_UNITS(CANON_UNITS_INCHES)'\necho '2 N..... SET_FEED_RATE(10.0000)'\n"
+      "echo '3 N..... STRAIGHT_FEED(0.2000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)'\n"
+      "echo '4 N..... ARC_FEED(0.2000, 0.0000, 0.0000, 0.0000, 1, 0.0000, 0.0000, 0.0000, 0.0000)'\n";
+  EXPECT_THAT(refusal(head + "G3 X.20000 Y0.00004 I-.2 J0\nM2\n", script),
+              AllOf(HasSubstr("part.ngc:5: an arc ends 4e-05 of its unit from its start"), HasSubstr("G21")));
+  EXPECT_THAT(refusal(head + "g 2 x .2 y-.00004 (back) i-.2 ; short\nM2\n", script),
+              HasSubstr("part.ngc:5:"));
+  EXPECT_THAT(refusal(head + "G3 Y0.00004 R.2\nM2\n", script), HasSubstr("part.ngc:5:"));
+  EXPECT_THAT(refusal(head + "G3 X0 Y.2 I-.2\nX.2 Y0 J-.2\nX.2 Y.00003 I-.2\nM2\n", script),
+              HasSubstr("part.ngc:7:"));
+  EXPECT_THAT(refusal("G20 G18\nG0 X.2 Z0\nG3 X.2 Z-0.00004 I-.2\nM2\n", script), HasSubstr("part.ngc:3:"));
+  // Full circles, arcs that go nearly around, and what is not told by plain numbers.
+  for (const char* arc : {"G3 X.2 Y0 I-.2", "G3 I-.2", "G3 X.20000 Y-0.00004 I-.2", "G2 X.2 Y0.00004 I-.2",
+                          "G3 Y0.00004 R-.2", "G91 G3 Y.00004 I-.2", "G3 X[.2] Y.00004 I-.2",
+                          "(G3 Y.00004 I-.2)", "G3 Y0.00004 I-.2 P2", "G1 Y0.00004", "G3 Y0.0001 I-.2"})
+    EXPECT_EQ(read(head + arc + "\nM2\n", script).moves.size(), 2U) << arc;
+  // Another frame: where the arc begins is not told.
+  EXPECT_EQ(read(head + "G55\nG3 X.2 Y.00004 I-.2\nM2\n", script).moves.size(), 2U);
+}
+
 TEST_F(Interpreter, ItsRefusalNamesTheLine) {
   const std::string script = "echo executing >&2; echo 'Bad character used' >&2; echo 'G1 X1Q' >&2; exit 1\n";
   EXPECT_THAT(refusal("G21\n  G1 X1Q  \nM2\n", script),

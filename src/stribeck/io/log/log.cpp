@@ -137,7 +137,7 @@ void complete_times(Log& log, const ReadOptions& options) {
   if (detail::name_sinumerik_signals(log, options) && time_column(log) >= 0) return;
   detail::tell_odrive_units(log);
   detail::tell_indices(log);
-  if (detail::join_seconds(log)) return;
+  if (detail::join_seconds(log, options.sample_time.has_value())) return;
   detail::tell_epoch(log);
   detail::tell_unit_of_time(log, options.machine_period);
   const bool replaced = options.sample_time && detail::leave_out_coarse_time(log);
@@ -210,9 +210,10 @@ void complete_times(Log& log, const ReadOptions& options) {
 
 Log read_table(std::string_view text, const std::string& source, const ReadOptions& options) {
   detail::AbsentCells absent;
-  Log log = detail::read_csv_text(
-      text, source, {options.skip_lines, options.names, detail::TextColumns::kKeep, true, false, true},
-      &absent);
+  detail::CsvDialect dialect{
+      options.skip_lines, options.names, detail::TextColumns::kKeep, true, false, true};
+  dialect.keep_blank_rows = options.time_column.empty() && (options.times_needed || options.sample_time);
+  Log log = detail::read_csv_text(text, source, dialect, &absent);
   if (options.time_column.empty()) detail::pair_times(log);
   const bool paired =
       std::any_of(log.columns.begin(), log.columns.end(), [](const Column& c) { return c.time >= 0; });
@@ -320,19 +321,48 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-int time_column(const Log& log) {
-  for (const bool by_name : {true, false}) {
-    for (std::size_t i = 0; i < log.columns.size(); ++i) {
-      const Column& c = log.columns[i];
-      if (!c.texts.empty()) continue;
-      const bool named =
-          std::find(kTimeNames.begin(), kTimeNames.end(), lower_case(c.name)) != kTimeNames.end();
-      constexpr std::array kUnits{"s", "ms", "us", "µs", "ns", "min", "h", "sec"};
-      const bool unit = std::find(kUnits.begin(), kUnits.end(), c.unit_text) != kUnits.end();
-      if (by_name ? named : unit) return static_cast<int>(i);
-    }
+namespace {
+
+bool is_other_than_time(const std::string& unit) {
+  try {
+    return !(conversion(unit, "s").factor > 0.0);
+  } catch (const InputError&) {
+    return true;
   }
-  return -1;
+}
+
+/// In all but one of twenty rows.
+bool rises_mostly(const std::vector<double>& values) {
+  std::size_t still = 0;
+  for (std::size_t k = 1; k < values.size(); ++k) still += values[k] > values[k - 1] ? 0 : 1;
+  return 20 * still <= values.size();
+}
+
+/// How surely a column is the time, by its name and unit; 0: it is none. "T" may be a torque or a temperature, and one with such a unit is.
+int rank_as_time(const Column& c) {
+  if (!c.texts.empty()) return 0;
+  constexpr std::array kUnits{"s", "ms", "us", "µs", "ns", "min", "h", "sec"};
+  const bool unit = std::find(kUnits.begin(), kUnits.end(), c.unit_text) != kUnits.end();
+  if (std::find(kTimeNames.begin(), kTimeNames.end(), lower_case(c.name)) == kTimeNames.end())
+    return unit ? 1 : 0;
+  if (!unit && !c.unit_text.empty() && is_other_than_time(c.unit_text)) return 0;
+  // A coarse clock may stand beside the time of the rows, and a unit beside neither. One stamp may be doubled.
+  const bool rises = rises_mostly(c.values);
+  const int sure = (rises ? 2 : 0) + (unit || !c.unit_text.empty() ? 1 : 0);
+  return c.name == "T" ? 2 + sure : 6 + sure;
+}
+
+}  // namespace
+
+int time_column(const Log& log) {
+  int best = -1;
+  int rank = 0;
+  for (std::size_t i = 0; i < log.columns.size(); ++i) {
+    const int own = rank_as_time(log.columns[i]);
+    if (own > rank) best = static_cast<int>(i);
+    rank = std::max(rank, own);
+  }
+  return best;
 }
 
 std::vector<double> in_si(const Column& column, const Quantity& quantity) {

@@ -78,8 +78,12 @@ bool is_absent(std::string_view cell) {
   cell = trimmed(cell);
   if (cell.size() > 12) return false;
   const std::string word = lower_case(unquoted(cell));
-  constexpr std::array<std::string_view, 12> kWords{"",    "nan",  "-nan", "+nan",    "nan(ind)", "-nan(ind)",
-                                                    "n/a", "#n/a", "na",   "1.#qnan", "null",     "none"};
+  // Older programs of Windows write "-1.#IND00", "1.#QNAN0".
+  std::string_view bare = word;
+  if (bare.starts_with('-')) bare.remove_prefix(1);
+  if (bare.starts_with("1.#ind") || bare.starts_with("1.#qnan")) return true;
+  constexpr std::array<std::string_view, 12> kWords{"",    "nan",  "-nan", "+nan", "nan(ind)", "-nan(ind)",
+                                                    "n/a", "#n/a", "#nv",  "na",   "null",     "none"};
   return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 

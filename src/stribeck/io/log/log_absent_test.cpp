@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
@@ -25,7 +26,8 @@ std::string table(const std::string& cell, int each) {
 }
 
 TEST(LogAbsent, FewCellsTakeTheirRows) {
-  for (const char* cell : {"", "NaN", "-nan", "n/a", "null", "#N/A", "1.#QNAN"}) {
+  for (const char* cell :
+       {"", "NaN", "-nan", "n/a", "null", "#N/A", "1.#QNAN", "-1.#IND00", "1.#IND", "1.#QNAN0"}) {
     const Log log = parse(table(cell, 40));
     EXPECT_EQ(log.rows, 98u) << cell;
     EXPECT_THAT(log.notes,
@@ -35,6 +37,77 @@ TEST(LogAbsent, FewCellsTakeTheirRows) {
     for (const Column& c : log.columns) EXPECT_EQ(c.values.size(), 98u) << c.name;
     EXPECT_DOUBLE_EQ(log.at("f").values[39], 40.0);
   }
+}
+
+TEST(LogAbsent, AFirstCellWithAHashIsNoComment) {
+  std::string text = "f [N];x [mm]\n";
+  for (int k = 0; k < 12; ++k)
+    text += (k % 3 == 2 ? k == 2 ? "#NV" : "#N/A" : std::to_string(k)) + ";" + std::to_string(10 * k) + "\n";
+  ReadOptions options;
+  options.sample_time = 1e-3;
+  const Log log = parse_log(text, "log.csv", options);
+  EXPECT_THAT(log.at("f").values, ElementsAre(0, 1, 3, 4, 6, 7, 9, 10));
+  EXPECT_THAT(log.at("x").values, ElementsAre(0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("\"f [N]\" has numbers in 8 of 12 rows")));
+  EXPECT_THAT(
+      [&] { parse_log("f [N];x [mm]\n1;2\n#DIV/0!;3\n1;4\n", "log.csv", options); },
+      ThrowsMessage<InputError>(HasSubstr("row 2, column \"f [N]\": got \"#DIV/0!\", expected a number")));
+}
+
+TEST(LogAbsent, CommentsAmongTheRowsStayComments) {
+  const Log log = parse("t [s];x [mm]\n0;1\n# stopped here\n# by: hand; at 12:00\n#1;7\n1;2\n");
+  EXPECT_THAT(log.at("x").values, ElementsAre(1, 2));
+}
+
+TEST(LogAbsent, RowsThatAreCommentedOutStayOut) {
+  for (const char* first : {"10:00:0", "run "}) {
+    const std::string at = first;
+    const Log log = parse("stamp;t [s];x [mm]\n" + at + "0;0;1\n# gain;2;3\n#N/A;1;8\n#" + at + "1;1;7\n" +
+                          at + "2;2;2\n");
+    EXPECT_THAT(log.at("x").values, ElementsAre(1, 2)) << first;
+  }
+}
+
+TEST(LogAbsent, NamesOfRunsMayBeginWithAHash) {
+  const Log log = parse("Run;t [s];x [mm]\n#1;0.0;1\n# end of the run: none\n#1;0.5;2\n#2;1.0;3\n");
+  EXPECT_THAT(log.at("Run").texts, ElementsAre("#1", "#1", "#2"));
+  EXPECT_THAT(log.at("x").values, ElementsAre(1, 2, 3));
+}
+
+TEST(LogAbsent, RowsOfSeparatorsTakeTheirTime) {
+  ReadOptions options;
+  options.sample_time = 1e-3;
+  for (const char separator : {';', ',', '\t'}) {
+    std::string text = "x [mm];f [N]\n;\n";
+    for (int k = 0; k < 10; ++k)
+      text += k % 2 == 0 ? std::to_string(k) + ";" + std::to_string(10 * k) + "\n" : ";\n";
+    text += ";\n";
+    std::replace(text.begin(), text.end(), ';', separator);
+    const Log log = parse_log(text, "log.csv", options);
+    const Column& x = log.at("x");
+    EXPECT_THAT(x.values, ElementsAre(0, 2, 4, 6, 8));
+    const Column& t = x.time < 0 ? log.at("t") : log.columns[static_cast<std::size_t>(x.time)];
+    ASSERT_EQ(t.values.size(), 5u);
+    EXPECT_DOUBLE_EQ(t.values[4], 8e-3);
+  }
+}
+
+TEST(LogAbsent, RowsOfSeparatorsAmongTimesAreLeftOut) {
+  for (const char* names : {"t [ms];x [mm]\n", "clock;x [mm]\n"}) {
+    const bool clock = names[0] == 'c';
+    const std::string at = clock ? "10:00:0" : "";
+    const Log log = parse(std::string(names) + at + "0;1\n" + at + "1;2\n;\n" + at + "2;3\n;\n");
+    EXPECT_THAT(log.at("x").values, ElementsAre(1, 2, 3)) << names;
+    EXPECT_THAT(log.notes, Contains(HasSubstr("lines without any value were left out: 2"))) << names;
+  }
+}
+
+TEST(LogAbsent, NumbersOfRowsCountBlankRowsThemselves) {
+  ReadOptions options;
+  options.sample_time = 1e-3;
+  const Log log = parse_log("Index;x [mm];f [N]\n1;1;1\n2;2;2\n;;\n3;3;3\n", "log.csv", options);
+  EXPECT_THAT(log.at("x").values, ElementsAre(1, 2, 3));
+  EXPECT_THAT(log.at("t").values, ElementsAre(0, 1e-3, 2e-3));
 }
 
 TEST(LogAbsent, AChannelOfAnotherRateHasItsOwnTimes) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/decimal_sign.hpp>
+#include <stribeck/io/log/head/table_rows.hpp>
 #include <stribeck/io/log/log_csv_head.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
@@ -40,6 +41,8 @@ class CsvReader {
     } else {
       read_rows<false>(body);
     }
+    drop_absent_end();
+    refuse_thousands(body);
     if (options_.text_columns == TextColumns::kKeep) {
       keep_text_columns();
     } else {
@@ -76,32 +79,21 @@ class CsvReader {
   }
 
   void find_text_columns(std::string_view body) {
-    const std::string_view row = first_row(body);
+    const std::string_view row = row_of_table(body, separator_, log_.columns.size());
+    hash_first_ = is_comment(row) && !is_row_with_hash(row, separator_, log_.columns.size(), false);
     auto cells = split(row, separator_);
     if (cells.size() + 1 == log_.columns.size() && separator_ != ' ' && row.ends_with(separator_))
       cells.emplace_back();
     if (cells.size() != log_.columns.size()) return;
     is_text_ = blank_columns(body, separator_, cells.size());
+    if (absent_ != nullptr && std::any_of(cells.begin(), cells.end(), is_absent))
+      cells = first_present_cells(body, separator_, cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      const std::string_view cell =
-          absent_ != nullptr && is_absent(cells[c]) ? first_present(body, c) : cells[c];
+      const std::string_view cell = cells[c];
       if (!unquoted(cell).empty() && !number_in(cell)) is_text_[c] = 1;
     }
     if (std::count(is_text_.begin(), is_text_.end(), 1) == 0) is_text_.clear();
     row_texts_.resize(is_text_.size());
-  }
-
-  /// The first cell of a column that is not absent; "" where the first thousand rows have none.
-  [[nodiscard]] std::string_view first_present(std::string_view body, std::size_t column) const {
-    constexpr int kRows = 1000;
-    for (int row = 0; row < kRows; ++row) {
-      const std::string_view line = first_row(body);
-      if (line.empty()) break;
-      body.remove_prefix(static_cast<std::size_t>(line.data() + line.size() - body.data()));
-      const auto cells = split(line, separator_);
-      if (column < cells.size() && !is_absent(cells[column])) return cells[column];
-    }
-    return {};
   }
 
   /// A cell as a number, also with thousands separators before the decimal mark.
@@ -185,8 +177,25 @@ class CsvReader {
       }
     }
     if (!utf8) note("text cells are not UTF-8 and are read as Latin-1");
-    if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_));
+    if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_, separator_));
     drop_blank_columns(log_);
+  }
+
+  /// A thousands separator that was taken for the decimal mark makes numbers a thousand times too small, beside others that are right.
+  void refuse_thousands(std::string_view body) const {
+    for (std::size_t c = 0; c < log_.columns.size(); ++c) {
+      const Column& column = log_.columns[c];
+      const auto cell = maybe_thousands(column.values, body, separator_, c, decimal_);
+      if (!cell) continue;
+      if (proves_mark(body, separator_, decimal_)) return;
+      std::string without = *cell;
+      std::erase(without, decimal_);
+      fail(
+          0,
+          "column " + in_quotes(column.header) + ": got " + in_quotes(*cell) + ", which may be " + without +
+              " or have three decimals: all numbers without " + (decimal_ == ',' ? "a comma" : "a point") +
+              " are below 1000 (export the log without thousands separators, or with three decimals in each row)");
+    }
   }
 
   /// Reserves memory, estimated from the length of the first lines.
@@ -204,7 +213,12 @@ class CsvReader {
   /// Skips a comment or a blank line; returns the beginning of the next line, or null when this one is a row.
   const char* after_line_without_row(const char* p, const char* end) {
     const char* const next = end_of_line(p, end);
-    const std::string_view line(p, static_cast<std::size_t>(next - p));
+    std::string_view line(p, static_cast<std::size_t>(next - p));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    // A row without its time of day is left out.
+    const bool text_first = !is_text_.empty() && is_text_[0] != 0;
+    if ((hash_first_ || !text_first) && is_row_with_hash(line, separator_, log_.columns.size(), hash_first_))
+      return nullptr;
     if (*p == '#' || *p == '%') take_comment(line, log_.metadata);
     if (!trimmed(line).empty() && *p == '\r') return nullptr;
     return next == end ? end : next + 1;
@@ -322,6 +336,60 @@ class CsvReader {
     return Problem{log_.source, line, "", place + got + ", expected a number (remove the row or the column)"};
   }
 
+  /// Whether a row of separators alone takes its time: no column tells the time, and rows follow each other at equal times.
+  [[nodiscard]] bool is_absent_row(std::string_view line) {
+    if (!options_.keep_blank_rows || absent_ == nullptr || log_.rows == 0 || separator_ == ' ' ||
+        line.find(separator_) == std::string_view::npos)
+      return false;
+    if (no_times_) return *no_times_;
+    const bool clock = std::any_of(log_.columns.begin(), log_.columns.end(), [](const Column& column) {
+      if (column.texts.empty()) return false;
+      return is_time_text(column.texts.front());
+    });
+    no_times_ = !clock && time_column(log_) < 0;
+    return *no_times_;
+  }
+
+  void take_absent_row(const char* start, double* out, std::size_t stride, std::size_t row) {
+    if (absent_rows_ == 0)
+      first_absent_row_ = absent_cell(line_number(start), "row " + std::to_string(row) + ": ", "");
+    ++absent_rows_;
+    absent_together_ = row == last_absent_row_ + 1 ? absent_together_ + 1 : 1;
+    last_absent_row_ = row;
+    for (std::size_t c = 0; c < log_.columns.size(); ++c)
+      out[c * stride] = std::numeric_limits<double>::quiet_NaN();
+    std::fill(row_texts_.begin(), row_texts_.end(), std::string_view());
+  }
+
+  /// Rows of separators alone at the end of the file are none of the log.
+  void drop_absent_end() {
+    const std::size_t at_end = last_absent_row_ == log_.rows ? absent_together_ : 0;
+    if (absent_rows_ > at_end && !absent_->first) absent_->first = first_absent_row_;
+    if (at_end == 0) return;
+    log_.rows -= at_end;
+    left_out_["lines without any value"] += at_end;
+    for (Column& column : log_.columns) {
+      if (!column.values.empty()) column.values.resize(log_.rows);
+      if (!column.texts.empty()) column.texts.resize(log_.rows);
+    }
+  }
+
+  [[noreturn]] void wrong_width(std::size_t line, const std::string& where,
+                                const std::vector<std::string_view>& cells) const {
+    const std::size_t n = log_.columns.size();
+    if (cells.front() == "Channels") {
+      fail(
+          line,
+          where +
+              ": a segment of LabVIEW begins here (write each segment into a file of its own, or with one heading for all)");
+    }
+    fail(line, where + ": got " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") +
+                   ", expected " + std::to_string(n) + " as in the header" +
+                   (separator_ == ',' && n > 1 && cells.size() == 2 * n
+                        ? " (a decimal comma? separate columns by ;)"
+                        : ""));
+  }
+
   /// A row that the fast loop could not read: quotes, plus signs, or an error.
   SlowRow slow_row(const char* start, const char* end, double* out, std::size_t stride, std::size_t row) {
     const char* const line_end = end_of_line(start, end);
@@ -330,6 +398,10 @@ class CsvReader {
     const std::size_t n = log_.columns.size();
     if (std::all_of(line.begin(), line.end(),
                     [&](char c) { return c == separator_ || is_blank(c) || c == '"'; })) {
+      if (is_absent_row({start, static_cast<std::size_t>(line_end - start)})) {
+        take_absent_row(start, out, stride, row);
+        return {line_end, true};
+      }
       if (!line.empty()) ++left_out_["lines without any value"];
       return skip;
     }
@@ -360,14 +432,8 @@ class CsvReader {
            std::to_string(cells.size()) + " of " + std::to_string(n) + " cells");
       return skip;
     }
-    if (cells.size() != n) {
-      fail(line_no(), where + ": got " + std::to_string(cells.size()) +
-                          (cells.size() == 1 ? " cell" : " cells") + ", expected " + std::to_string(n) +
-                          " as in the header" +
-                          (separator_ == ',' && n > 1 && cells.size() == 2 * n
-                               ? " (a decimal comma? separate columns by ;)"
-                               : ""));
-    }
+    const bool segment = cells.front() == "Channels" && (is_text_.empty() || is_text_[0] == 0);
+    if (cells.size() != n || segment) wrong_width(line_no(), where, cells);
     for (std::size_t c = 0; c < n; ++c) {
       if (!is_text_.empty() && is_text_[c] != 0) {
         row_texts_[c] = cells[c];
@@ -407,8 +473,14 @@ class CsvReader {
   char separator_ = ',';
   char decimal_ = '.';
   std::vector<char> is_text_;  ///< 1 for columns of text; empty when there are none
+  bool hash_first_ = false;    ///< the first column is of text that begins with #
   std::vector<std::string_view> row_texts_;
   std::string_view header_;
+  std::optional<bool> no_times_;     ///< no column tells the time; absent: not asked yet
+  std::size_t absent_rows_ = 0;      ///< rows of separators alone that take their time
+  std::size_t last_absent_row_ = 0;  ///< counted from 1
+  std::size_t absent_together_ = 0;  ///< so many up to it, without another row between
+  Problem first_absent_row_;
   std::map<std::string, std::size_t> left_out_;  ///< lines, by what they are
 };
 
@@ -416,7 +488,8 @@ class CsvReader {
 
 Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect,
                   AbsentCells* absent) {
-  return CsvReader(text, source, dialect, absent).read();
+  const std::string joined = with_names_in_one_line(text);
+  return CsvReader(joined.empty() ? text : joined, source, dialect, absent).read();
 }
 
 }  // namespace stribeck::io::detail

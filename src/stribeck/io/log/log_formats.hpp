@@ -19,6 +19,8 @@ struct CsvDialect {
   bool drop_unended_row = false;  ///< a last row without a line end may be cut inside a number
   bool unit_after_blank = false;  ///< "x mm" is "x [mm]"
   bool has_side_file = false;     ///< LOG.toml is read and may name the columns
+  bool keep_blank_rows =
+      false;  ///< a row of separators alone is an absent row where no column tells the time
 };
 /// Cells without a number: blank, NaN, n/a, null. Their values are NaN.
 struct AbsentCells {

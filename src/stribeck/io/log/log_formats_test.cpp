@@ -345,6 +345,28 @@ TEST(LogFormats, SinumerikCapture) {
                               given({}, 2e-3))),
             seconds(log));
 
+  for (const auto& [axis, unit] : {std::pair{"MC1", "deg"},
+                                   {"MSP1", "deg"},
+                                   {"SP1", "deg"},
+                                   {"S2", "deg"},
+                                   {"B", "deg"},
+                                   {"c1", "deg"},
+                                   {"MX1", "mm"},
+                                   {"MZ2", "mm"},
+                                   {"Z", "mm"},
+                                   {"XM1", "mm"},
+                                   {"", "mm"},
+                                   {"AX1", ""},
+                                   {"Gantry", ""}}) {
+    const Log other = parse_log(
+        replaced(test::sinumerik_json_sample(), "\"C1\"", "\"" + std::string(axis) + "\""), "a.json");
+    EXPECT_EQ(other.at("ENC_POS|4").unit_text, unit) << axis;
+    EXPECT_EQ(std::count_if(other.notes.begin(), other.notes.end(),
+                            [](const Note& n) { return n.text.find("does not say whether") != n.text.npos; }),
+              *unit == 0 ? 1 : 0)
+        << axis;
+  }
+
   const Log flat = parse_log(test::sinumerik_csv_sample(), "a.csv", given({}, 2e-3));
   EXPECT_EQ(flat.format, "SINUMERIK Edge CSV");
   EXPECT_EQ(flat.at("ENC_POS|1").unit_text, "mm");

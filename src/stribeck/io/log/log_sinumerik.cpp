@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -29,15 +31,31 @@ Signal signal_of(std::string_view header) {
   return {header.substr(0, bar), axis};
 }
 
-bool is_rotary(std::string_view axis_name) {
-  return !axis_name.empty() && std::string_view("ABCS").find(axis_name[0]) != std::string_view::npos;
+enum class Moves { kAlong, kAround, kUnknown };
+
+/// Whether an axis turns, by its name: X1, MX1 (of the machine) and an axis without a name move along, C1, MC1, S1, SP1 and MSP1 turn.
+/// AX1 may be any axis.
+Moves moves_of(std::string_view axis_name) {
+  if (axis_name.empty()) return Moves::kAlong;
+  std::string letters;
+  for (const char c : axis_name) {
+    if (std::isalpha(static_cast<unsigned char>(c)) == 0) break;
+    letters += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  if (letters.size() > 1 && letters.front() == 'M') letters.erase(0, 1);
+  constexpr std::array<std::string_view, 7> kTurn{"A", "B", "C", "S", "SP", "SPINDLE", "SPINDEL"};
+  if (std::find(kTurn.begin(), kTurn.end(), letters) != kTurn.end()) return Moves::kAround;
+  return !letters.empty() && std::string_view("UVWXYZ").find(letters.front()) != std::string_view::npos
+             ? Moves::kAlong
+             : Moves::kUnknown;
 }
 
 /// Units that a recording of a real 840D sl has shown: the rate of ENC_POS is 1.000 times VEL_FFW in mm/s. The units of the others
 /// are not known.
-std::string unit_of(std::string_view signal, bool rotary) {
-  if (signal == "ENC_POS" || signal == "DES_POS") return rotary ? "deg" : "mm";
-  if (signal == "VEL_FFW" && !rotary) return "mm/s";
+std::string unit_of(std::string_view signal, Moves moves) {
+  if (signal == "ENC_POS" || signal == "DES_POS")
+    return moves == Moves::kAround ? "deg" : moves == Moves::kAlong ? "mm" : "";
+  if (signal == "VEL_FFW" && moves == Moves::kAlong) return "mm/s";
   if (signal == "CURRENT") return "A";
   return {};
 }
@@ -46,7 +64,7 @@ void note_units(Log& log, bool axes_known) {
   log.notes.push_back(
       std::string("units are not in the file; from recordings of this format ENC_POS and DES_POS are in "
                   "mm, VEL_FFW in mm/s, CURRENT in A") +
-      (axes_known ? "; axes called A, B, C and S turn, their positions are in deg"
+      (axes_known ? "; axes called A, B, C and S (C1, MC1, SP1) turn, their positions are in deg"
                   : "; that holds for linear axes"));
 }
 
@@ -236,12 +254,16 @@ class CaptureReader : Reader {
     }
     log_.rows = rows_;
     std::size_t cycle = signals_.size();
+    std::string unknown;
     for (std::size_t i = 0; i < signals_.size(); ++i) {
       const Declared& s = signals_[i];
       if (s.name.empty()) fail(0, "signal " + std::to_string(i + 1) + " of SignalListHFData has no Name");
       if (s.name == "CYCLE") cycle = i;
       const Signal signal = signal_of(s.name);
-      Column c{s.name, unit_of(signal.name, is_rotary(s.axis)), std::move(columns_[i]), s.name};
+      const Moves moves = moves_of(s.axis);
+      Column c{s.name, unit_of(signal.name, moves), std::move(columns_[i]), s.name};
+      if (moves == Moves::kUnknown && !unit_of(signal.name, Moves::kAround).empty() && c.unit_text.empty())
+        unknown += (unknown.empty() ? "" : ", ") + in_quotes(s.name) + " of axis " + s.axis;
       if (s.name == "CYCLE") c.unit_text = "1";
       c.unit_assumed = true;
       log_.columns.push_back(std::move(c));
@@ -262,6 +284,10 @@ class CaptureReader : Reader {
                log_.source + ".toml)");
     }
     note_units(log_, true);
+    if (!unknown.empty()) {
+      note("the name of the axis does not say whether it turns, so these columns have no unit: " + unknown +
+           " (give it with --map, such as --map x=\"ENC_POS|1 mm\")");
+    }
     const auto& n = log_.columns[cycle].values;
     note_jumps(log_, n, *cycle_time_ms_);
     std::vector<double> t(n.size());
@@ -299,7 +325,7 @@ bool name_sinumerik_signals(Log& log, const ReadOptions& options) {
     if (c.name == "CYCLE") cycle = &c;
     const Signal signal = signal_of(c.name);
     if (signal.axis == 0 || !c.unit_text.empty()) continue;
-    const std::string unit = unit_of(signal.name, false);
+    const std::string unit = unit_of(signal.name, Moves::kAlong);
     if (unit.empty()) continue;
     c.unit_text = unit;
     c.unit_assumed = true;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
+#include <stribeck/io/log/head/table_rows.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
@@ -59,119 +60,12 @@ std::string bare_unit(std::string_view cell) {
   return text;
 }
 
-/// Rows that must have the same number of cells before they count as a table; a head of keys and numbers has fewer.
-constexpr std::size_t kRowsOfATable = 20;
-constexpr std::size_t kLongestHead = 200;
-
-/// A line of a file, without blank lines and comments.
-struct HeadLine {
-  std::size_t number;  ///< lines above it
-  std::string_view text;
-};
-
-std::vector<HeadLine> first_lines(std::string_view text) {
-  std::vector<HeadLine> lines;
-  for (std::size_t n = 0; !text.empty() && lines.size() < kLongestHead + kRowsOfATable; ++n) {
-    const auto line = take_line(text);
-    if (!trimmed(line).empty() && !is_comment(line)) lines.push_back({n, line});
-  }
-  return lines;
-}
-
-/// A row of at least two cells, at least half of them numbers.
-bool is_row(std::string_view line, char separator, std::size_t cells) {
-  const auto row = split(line, separator);
-  if (row.size() < 2 || (cells > 0 && row.size() != cells)) return false;
-  const auto numbers = std::count_if(row.begin(), row.end(), [](std::string_view cell) {
-    return looks_like_number(cell) || grouped_number(cell, ',').has_value() ||
-           grouped_number(cell, '.').has_value();
-  });
-  return 2 * static_cast<std::size_t>(numbers) >= row.size();
-}
-
-/// Index of the line with the names of the first table; nothing where there is no table or no names above it.
-std::optional<std::size_t> names_of_table(const std::vector<HeadLine>& lines, char separator) {
-  for (std::size_t first = 1; first + 2 <= lines.size() && first <= kLongestHead; ++first) {
-    const std::size_t cells = split(lines[first].text, separator).size();
-    std::size_t end = first;
-    while (end < lines.size() && end < first + kRowsOfATable && is_row(lines[end].text, separator, cells))
-      ++end;
-    // The last line may be cut.
-    const bool to_the_end = end + 1 >= lines.size() && lines.size() < kLongestHead + kRowsOfATable;
-    if (end < first + 2 || (end < first + kRowsOfATable && !to_the_end)) continue;
-    std::size_t names = first - 1;
-    Notes ignored;
-    if (names > 0 && !units_in_row(lines[names].text, separator, cells, ignored).empty() &&
-        split_exactly(lines[names - 1].text, separator).size() >= cells)
-      --names;
-    const auto row = split(lines[names].text, separator);
-    if (row.size() + 1 < cells || row.size() > cells || is_row(lines[names].text, separator, 0))
-      return std::nullopt;
-    return names;
-  }
-  return std::nullopt;
-}
-
-/// Lines above the names in a measurement file of LabVIEW, whose head has two parts; 0 for other files.
-std::size_t lines_of_labview(std::string_view text) {
-  if (!begins_with(text, "LabVIEW Measurement")) return 0;
-  std::size_t above = 0;
-  for (std::size_t n = 1; n <= kLongestHead && !text.empty(); ++n) {
-    if (begins_with(take_line(text), kEndOfLabViewHead)) above = n;
-  }
-  return above;
-}
-
-/// Cells of a row without the empty ones at its end, with which spreadsheets fill a row up to the width of the table.
-std::size_t filled_cells(const std::vector<std::string_view>& row) {
-  std::size_t filled = row.size();
-  while (filled > 0 && unquoted(trimmed(row[filled - 1])).empty()) --filled;
-  return filled;
-}
-
-/// 0 where the first line has the names, or where there is no table.
-std::size_t lines_of_head(std::string_view text) {
-  if (const std::size_t lines = lines_of_labview(text); lines > 0) return lines;
-  const std::vector<HeadLine> lines = first_lines(text);
-  if (lines.size() < 3) return 0;
-  std::size_t most = 0;
-  std::size_t above = 0;
-  for (const char separator : {'\t', ';', ','}) {
-    const auto names = names_of_table(lines, separator);
-    if (!names) continue;
-    const auto row = split(lines[*names].text, separator);
-    const std::size_t cells = row.size();
-    if (cells <= most) continue;
-    most = cells;
-    // As many cells in the first line as in the table: it is no head, but where it is a key and its value.
-    const auto first = split(lines.front().text, separator);
-    const bool told = first.size() == 2 && !unquoted(first[1]).empty() &&
-                      is_digit(unquoted(first[1]).front()) && !looks_like_number(first[0]);
-    const bool filled_up = filled_cells(first) < filled_cells(row);
-    above = *names > 0 && (first.size() != cells || filled_up || told) ? lines[*names].number : 0;
-  }
-  return above;
-}
-
 }  // namespace
-
-std::size_t take_head(std::string_view& text, std::vector<std::pair<std::string, std::string>>& metadata) {
-  const std::size_t lines = lines_of_head(text);
-  for (std::size_t i = 0; i < lines; ++i) {
-    std::string_view line = take_line(text);
-    line.remove_prefix(std::min(line.find_first_not_of("#% \t"), line.size()));
-    const auto mark = line.find_first_of(";,\t:=");
-    if (mark == std::string_view::npos) continue;
-    std::string key = as_utf8(unquoted(trimmed(line.substr(0, mark))));
-    if (!key.empty()) metadata.emplace_back(std::move(key), as_utf8(trimmed(line.substr(mark + 1))));
-  }
-  return lines;
-}
 
 std::vector<char> blank_columns(std::string_view body, char separator, std::size_t columns) {
   std::vector<char> blank(columns, 1);
   for (int row = 0; row < 100; ++row) {
-    const std::string_view line = first_row(body);
+    const std::string_view line = row_of_table(body, separator, columns);
     if (line.empty()) break;
     body.remove_prefix(static_cast<std::size_t>(line.data() + line.size() - body.data()));
     const auto cells = split(line, separator);
@@ -182,46 +76,12 @@ std::vector<char> blank_columns(std::string_view body, char separator, std::size
   return blank;
 }
 
-bool names_in_comment(std::string_view comment, std::string_view row) {
-  for (const char separator : {'\t', ';', ','}) {
-    const auto names = split(comment, separator);
-    if (names.size() < 2 || !is_row(row, separator, names.size())) continue;
-    return !is_row(comment, separator, 0);
-  }
-  return false;
-}
-
 std::string_view take_unended_row(std::string_view& body) {
   const auto end = body.find_last_of('\n');
   const auto row = body.substr(end == std::string_view::npos ? 0 : end + 1);
   if (trimmed(row).empty() || is_comment(row)) return {};
   body.remove_suffix(row.size());
   return row;
-}
-
-namespace {
-
-/// Whether a cell that is no time of day has a comma: "10:15:23,124" may stand beside "0.75".
-bool has_comma(std::string_view text, char separator) {
-  for (auto at = text.find(','); at != std::string_view::npos; at = text.find(',', at + 1)) {
-    const auto begin = text.find_last_of(std::string{separator, '\n'}, at);
-    const std::string_view before = text.substr(begin + 1, at - begin - 1);  // npos + 1 is 0
-    if (before.find(':') == std::string_view::npos) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-char decimal_mark(std::string_view body, char separator) {
-  if (separator == ',') return '.';
-  std::string_view rest = body;
-  for (int k = 0; k < 100 && !rest.empty(); ++k) {
-    const auto line = take_line(rest);
-    if (!is_comment(line) && has_comma(line, separator)) return ',';
-  }
-  const bool comma = has_comma(body, separator);
-  return comma && body.find('.') == std::string_view::npos ? ',' : '.';
 }
 
 std::optional<double> grouped_number(std::string_view cell, char decimal) {
@@ -347,23 +207,8 @@ const char* why_no_number(std::string_view cell, char decimal) {
              : "";
 }
 
-const char* why_no_numbers(const std::vector<std::string_view>& row) {
-  // "0.5 mm"
-  const bool units = std::any_of(row.begin(), row.end(), [](std::string_view cell) {
-    const std::string text = unquoted(trimmed(cell));
-    const auto blank = text.find(' ');
-    return blank != std::string::npos && looks_like_number(std::string_view(text).substr(0, blank)) &&
-           is_unit(trimmed(std::string_view(text).substr(blank)));
-  });
-  if (units)
-    return "has a unit behind each number, expected numbers alone (export the units in the names: \"x [mm]\")";
-  return std::any_of(row.begin(), row.end(), looks_like_number)
-             ? "mixes point and comma in its numbers (export it with one decimal mark and without thousands separators)"
-             : "has no column of numbers";
-}
-
 std::optional<double> time_of_day(std::string_view text) {
-  text = trimmed(text);
+  text = without_iec_date(trimmed(text));
   const auto date_end = text.find_first_of("T ");
   if (date_end != std::string_view::npos && text.find(':') > date_end) {
     if (!is_date(text.substr(0, date_end))) return std::nullopt;
@@ -410,6 +255,7 @@ std::optional<double> minutes_and_seconds(std::string_view text) {
 
 std::optional<double> duration(std::string_view text) {
   text = trimmed(text);
+  if (const auto seconds = iec_duration(text)) return seconds;
   const auto blank = text.find(' ');
   if (blank == std::string_view::npos) return std::nullopt;
   const auto number = cell_number(text.substr(0, blank), '.');
@@ -471,15 +317,25 @@ bool below_the_table(std::string_view rest, char separator) {
 }
 
 bool read_times_of_day(Column& column) {
+  if (!column.texts.empty() && time_of_day(column.texts.front())) fill_milliseconds(column.texts);
+  // A clock does not go on after 24 h.
+  const bool hours = std::any_of(column.texts.begin(), column.texts.end(), [](const std::string& text) {
+    return !time_of_day(text) && hours_minutes_and_seconds(text);
+  });
   const bool short_times = !column.texts.empty() && minutes_and_seconds(column.texts.front()).has_value();
   const bool durations = !column.texts.empty() && duration(column.texts.front()).has_value();
-  const double whole = durations ? std::numeric_limits<double>::infinity() : short_times ? 3600.0 : 86400.0;
+  const double whole = durations || hours ? std::numeric_limits<double>::infinity()
+                       : short_times      ? 3600.0
+                                          : 86400.0;
   std::vector<double> values;
   values.reserve(column.texts.size());
   double before = 0.0;
   double last = 0.0;
   for (const std::string& text : column.texts) {
-    const auto t = durations ? duration(text) : short_times ? minutes_and_seconds(text) : time_of_day(text);
+    const auto t = hours         ? hours_minutes_and_seconds(text)
+                   : durations   ? duration(text)
+                   : short_times ? minutes_and_seconds(text)
+                                 : time_of_day(text);
     if (!t) return false;
     if (!values.empty() && *t < last - 0.5 * whole) before += whole;
     last = *t;

@@ -34,7 +34,8 @@ std::vector<char> blank_columns(std::string_view body, char separator, std::size
 /// The row behind the last line end; it leaves the text. It may be cut inside a number: 12.5 would be read as 12.
 std::string_view take_unended_row(std::string_view& body);
 
-/// A comma is the decimal mark where cells hold commas and the separator is another.
+/// A comma is the decimal mark where cells of the first hundred lines hold commas, words and times of day aside, and the separator is
+/// another; also further below where no number has a point.
 char decimal_mark(std::string_view body, char separator);
 
 /// "1.234,5", "1,234.5", "1'234.5" or "1 234.5": points, commas, apostrophes or blanks, also narrow ones that do not break a line,
@@ -57,6 +58,10 @@ std::optional<std::vector<std::string>> twincat_pairs(const std::vector<std::str
 /// it where a name stands twice.
 std::vector<std::string> names_of_columns(std::string_view header, std::string_view above, char separator,
                                           std::string_view& body, Notes& notes);
+
+/// The text with each name of a column that spreadsheets break into lines, in quotes, in one line; the lines below keep their numbers. ""
+/// where no name is broken.
+std::string with_names_in_one_line(std::string_view text);
 
 /// Whether a column may stand twice: tables that a tool joined have a time each.
 bool is_time_name(const std::string& header);
@@ -83,7 +88,7 @@ bool is_row_of_types(std::string_view row, char separator);
 const char* why_no_number(std::string_view cell, char decimal);
 
 /// What to say of a table whose cells are all text; `row` is one of its rows.
-const char* why_no_numbers(const std::vector<std::string_view>& row);
+const char* why_no_numbers(const std::vector<std::string_view>& row, char separator);
 
 /// Seconds since midnight of `07:15:23.123`, also with a date before and a zone behind, which are not looked at.
 std::optional<double> time_of_day(std::string_view text);
@@ -91,8 +96,24 @@ std::optional<double> time_of_day(std::string_view text);
 /// Seconds of `01:02.5`, minutes and seconds as a spreadsheet shows short times; without the decimals it may be a time of day.
 std::optional<double> minutes_and_seconds(std::string_view text);
 
-/// Seconds of `0.002 sec`, as MATLAB writes a duration, and of `0 days 00:00:00.002000`, as pandas does.
+/// Seconds of `0.002 sec`, as MATLAB writes a duration, of `0 days 00:00:00.002000`, as pandas does, and of `T#1s5ms` (IEC 61131-3).
 std::optional<double> duration(std::string_view text);
+
+/// Seconds of `25:07:15.123`, hours that go on after 24.
+std::optional<double> hours_minutes_and_seconds(std::string_view text);
+
+/// Seconds of `T#1s5ms`, `LTIME#1m_30s`: a duration of IEC 61131-3.
+std::optional<double> iec_duration(std::string_view text);
+
+/// Whether a text is one of these times.
+bool is_time_text(std::string_view text);
+
+/// A date and time of IEC 61131-3 without its type and date: `07:15:23.123` of `DT#2026-11-29-07:15:23.123` and of `TOD#07:15:23.123`;
+/// another text as it is.
+std::string_view without_iec_date(std::string_view text);
+
+/// Milliseconds without leading zeros behind `;` or a third colon, `07:15:23;5`, get three digits where other cells have three.
+void fill_milliseconds(std::vector<std::string>& texts);
 
 /// Makes a column of times of day, durations, or of minutes and seconds, one of seconds since its first row; false where a cell is none, or
 /// where the last is the first.

@@ -152,6 +152,34 @@ TEST(Spreadsheet, ThousandsSeparatorsAreNamed) {
               ::testing::ThrowsMessage<InputError>(HasSubstr("thousands separators")));
 }
 
+TEST(Spreadsheet, GroupsOfThreeDigitsMayBeThousandsOrDecimals) {
+  const auto refusal = [](const std::string& text) { return [text] { parse(text); }; };
+  EXPECT_THAT(refusal("t [ms]\tx [um]\n0\t0\n1\t975\n2\t1,950\n3\t-12,345\n"),
+              ::testing::ThrowsMessage<InputError>(AllOf(
+                  HasSubstr("column \"x [um]\": got \"1,950\", which may be 1950 or have three decimals"),
+                  HasSubstr("export the log without thousands separators"))));
+  EXPECT_THAT(refusal("t [ms];x [um]\n0;0\n1;975\n2;1.950\n"),
+              ::testing::ThrowsMessage<InputError>(HasSubstr("got \"1.950\", which may be 1950")));
+  // Decimals: in each row, below 1, of another length, beside 1000 without a mark; comma tables have no decimal comma.
+  for (const char* x : {"0.000;1.975;2.950", "1.250;1.975;2.950", "0;0.975;1.950", "0;1.975;2.9",
+                        "0;1.975;2.9501", "1000;1.975;2.950", "0;1.975;0.000"}) {
+    std::string text = "t [ms];x [um]\n";
+    std::string_view rest = x;
+    for (int k = 0; k < 3; ++k) {
+      text += std::to_string(k) + ";" + std::string(rest.substr(0, rest.find(';'))) + "\n";
+      rest.remove_prefix(std::min(rest.find(';') + 1, rest.size()));
+    }
+    EXPECT_EQ(parse(text).columns.at(1).values.at(1), text.find("0.975") == std::string::npos ? 1.975 : 0.975)
+        << x;
+  }
+  // Another column tells the mark.
+  EXPECT_EQ(parse("t [s];feed [mm/s]\n0.000;0\n0.001;8.333\n0.002;-8.333\n").columns.at(1).values.at(1),
+            8.333);
+  EXPECT_EQ(parse("t [ms];feed [mm/s];f [N]\n0;0;1\n1;8,333;12,34\n2;0;3\n").columns.at(1).values.at(1),
+            8.333);
+  EXPECT_EQ(parse("t [ms],x [um]\n0,0\n1,975\n2,1.950\n").columns.at(1).values.at(2), 1.95);
+}
+
 TEST(Spreadsheet, AHeadAboveTheNames) {
   // IndraWorks: keys and values in two cells, as many as a row of a small table.
   const Log indra = parse(

@@ -1,10 +1,12 @@
-// Time stamps of tables: seconds and nanoseconds in two columns, times since 1970 without a unit, stamps that are no use
-// beside a given sample time.
+// Time stamps of tables: times since 1970 without a unit, what the head says of the sampling, stamps that are no use beside a given
+// sample time.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <limits>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -12,48 +14,6 @@
 #include <utility>
 
 namespace stribeck::io::detail {
-namespace {
-
-const Column* called(const Log& log, const std::string& name) {
-  const auto found = std::find_if(log.columns.begin(), log.columns.end(), [&](const Column& c) {
-    return c.texts.empty() && lower_case(c.name) == name;
-  });
-  return found == log.columns.end() ? nullptr : &*found;
-}
-
-/// ROS 1 and ROS 2, as their tools export them: header.stamp.secs and header.stamp.nsecs.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecondsAndRest{
-    {{"secs", "nsecs"}, {"sec", "nanosec"}, {"sec", "nsec"}}};
-
-}  // namespace
-
-bool join_seconds(Log& log) {
-  for (const auto& [seconds, rest] : kSecondsAndRest) {
-    for (const Column& whole : log.columns) {
-      const std::string name = lower_case(whole.name);
-      if (!whole.texts.empty() || !name.ends_with(seconds)) continue;
-      const std::string stem = name.substr(0, name.size() - seconds.size());
-      const Column* part = called(log, stem + std::string(rest));
-      if (part == nullptr || part->values.size() != whole.values.size() || whole.values.empty()) continue;
-      for (std::size_t k = 0; k < part->values.size(); ++k) {
-        if (part->values[k] >= 0.0 && part->values[k] < 1e9) continue;
-        throw InputError(
-            {log.source, 0, part->header,
-             fmt::format("got {:.10g} in row {} of the table, expected nanoseconds from 0 to 999999999",
-                         part->values[k], k + 1)});
-      }
-      // Seconds since 1970 have too many digits for nanoseconds behind them.
-      const double first = whole.values.front();
-      std::vector<double> t(whole.values.size());
-      for (std::size_t k = 0; k < t.size(); ++k) t[k] = (whole.values[k] - first) + 1e-9 * part->values[k];
-      log.notes.push_back("the time is the sum of columns " + in_quotes(whole.header) + " and " +
-                          in_quotes(part->header) + ", from the second of the first row on");
-      add_time(log, std::move(t), "s");
-      return true;
-    }
-  }
-  return false;
-}
 
 void tell_indices(Log& log) {
   for (Column& c : log.columns) {
@@ -193,6 +153,57 @@ bool has_one_of(const std::string& name, std::initializer_list<std::string_view>
                      [&](std::string_view word) { return name.find(word) != std::string::npos; });
 }
 
+bool has_word(const std::string& name, std::initializer_list<std::string_view> words) {
+  std::string word;
+  for (std::size_t i = 0; i <= name.size(); ++i) {
+    if (i < name.size() && std::isalpha(static_cast<unsigned char>(name[i])) != 0) {
+      word += name[i];
+      continue;
+    }
+    if (std::find(words.begin(), words.end(), word) != words.end()) return true;
+    word.clear();
+  }
+  return false;
+}
+
+/// "4", "4 samples", "4th": a number of samples; a time has another unit.
+std::optional<double> counted(const std::string& value) {
+  const std::string text = lower_case(value);
+  const auto end = text.find_first_not_of("0123456789");
+  if (end == std::string::npos || end == 0) return cell_number(value, '.');
+  constexpr std::array<std::string_view, 17> kCounts{"sample", "samples", "cycle",  "cycles", "row",   "rows",
+                                                     "point",  "points",  "value",  "values", "th",    "nd",
+                                                     "rd",     "zyklus",  "zyklen", "werte",  "punkte"};
+  const std::string_view behind = trimmed(std::string_view(text).substr(end));
+  if (std::find(kCounts.begin(), kCounts.end(), behind) == kCounts.end()) return cell_number(value, '.');
+  return cell_number(text.substr(0, end), '.');
+}
+
+/// Whether a line of the head says that not each sample became a row: "Downsampling: 16", "Save every: 4", "Abtastfaktor: 4". Small
+/// letters.
+bool is_divider(const std::string& name, const std::string& value) {
+  // More samples than rows inside the drive make no other rows.
+  if (has_one_of(name, {"oversampl", "over-sampl", "\u00FCberabtast"})) return false;
+  const auto number = counted(value);
+  if (number && *number == 1.0) return false;
+  if (has_one_of(name,
+                 {"downsampl", "undersampl", "subsampl", "decimat", "dezim", "prescal", "teiler", "every n"}))
+    return true;
+  // "Individual axis" is none.
+  if (const auto at = name.find("divi");
+      at != std::string::npos && (at < 2 || name.substr(at - 2, 2) != "in"))
+    return true;
+  if (!number || !(*number > 1.0) || *number != std::floor(*number)) return false;
+  const bool of_samples = has_one_of(name, {"sampl", "abtast"});
+  const bool of_rows = has_one_of(name, {"save", "saving", "speicher", "record", "aufzeichn"}) ||
+                       has_word(name, {"log", "logging", "logged", "store", "storage", "storing", "stored"});
+  // The interval of the samples is a time whose unit is missing.
+  const bool ratio = has_one_of(name, {"factor", "faktor", "multipl", "every", "jede", "skip", "ratio",
+                                       "verh\u00E4ltnis"}) ||
+                     (!of_samples && name.find("interval") != std::string::npos);
+  return ((of_samples || of_rows) && ratio) || name == "every" || name == "skip";
+}
+
 }  // namespace
 
 ToldSampling told_sampling(const Log& log) {
@@ -203,6 +214,9 @@ ToldSampling told_sampling(const Log& log) {
     if (!has_one_of(name, {"sampl", "abtast", "time step", "zeitschritt", "cycle"})) continue;
     // The length of the record is a time as well, and a cycle may be that of the control.
     if (has_one_of(name, {"duration", "dauer", "length", "total", "number", "count", "points"})) continue;
+    // A filter, an average or a trigger has a time of its own.
+    if (has_one_of(name, {"filter", "window", "fenster", "delay", "verz", "trigger", "averag", "mittel"}))
+      continue;
     const std::string text = key + ": " + value;
     const auto period = name.find("cycle") != std::string::npos && !has_one_of(name, {"sampl", "abtast"})
                             ? std::nullopt
@@ -214,17 +228,28 @@ ToldSampling told_sampling(const Log& log) {
   }
   // "Downsampling: 16": whether the time between rows is that of the head or 16 of it is not said.
   for (const auto& [key, value] : log.metadata) {
-    if (!has_one_of(lower_case(key), {"downsampl", "undersampl", "subsampl", "decimat", "dezim", "divi",
-                                      "prescal", "teiler", "every n"}))
-      continue;
-    const auto factor = cell_number(value, '.');
-    if (factor && *factor == 1.0) continue;
+    if (!is_divider(lower_case(key), value)) continue;
     if (told.period) told.text += ", " + key + ": " + value;
     told.period.reset();
   }
   if (differ) told.period.reset();
   return told;
 }
+
+namespace {
+
+/// Whole numbers that increase from the first row on; some may be absent.
+bool counts_up(const std::vector<double>& values) {
+  double before = -std::numeric_limits<double>::infinity();
+  for (const double x : values) {
+    if (std::isnan(x) && !std::isinf(before)) continue;
+    if (!(x > before) || x != std::floor(x)) return false;
+    before = x;
+  }
+  return true;
+}
+
+}  // namespace
 
 const Column* row_counter(const Log& log, bool of_control) {
   constexpr std::array<std::string_view, 14> kNames{"index", "sample",  "samples", "sample number", "no",
@@ -238,10 +263,7 @@ const Column* row_counter(const Log& log, bool of_control) {
     if (std::find(kNames.begin(), kNames.end(), name) == kNames.end() &&
         (!of_control || std::find(kOfControl.begin(), kOfControl.end(), last) == kOfControl.end()))
       continue;
-    const bool counts = std::adjacent_find(c.values.begin(), c.values.end(), [](double a, double b) {
-                          return !(b > a) || b != std::floor(b) || a != std::floor(a);
-                        }) == c.values.end();
-    if (counts) return &c;
+    if (counts_up(c.values)) return &c;
   }
   return nullptr;
 }

@@ -201,6 +201,51 @@ TEST(LogStamps, ATimeInAnUnknownUnitIsAskedFor) {
   }
 }
 
+TEST(LogStamps, WordsOfTheHeadThatDivideTheSampling) {
+  for (const char* line :
+       {"Save every;4", "Sampling multiplier;4", "Abtastfaktor;4", "Recording interval;4", "Sample ratio;8",
+        "Every;2", "Save every;4 samples", "Record every;4th", "Log every;4 cycles"}) {
+    EXPECT_THAT(refusal("Scope\nSample time;250 us\n" + std::string(line) +
+                        "\nx [mm];i [A];f [N]\n1;2;3\n2;3;4\n3;4;5\n"),
+                HasSubstr("its head says \"Sample time: 250 us, "))
+        << line;
+  }
+  const auto period = [](const std::string& line) {
+    const Log log = parse("Scope\nSample time;2 ms\n" + line + "\nx [mm];i [A];f [N]\n1;2;3\n2;3;4\n3;4;5\n");
+    return log.columns.at(0).values.at(1);
+  };
+  for (const char* line :
+       {"Individual axis;4", "Individuelle Achse;X", "Save every;1", "Samples;500", "Recorded samples;500",
+        "Sampling interval;2000", "Sampling factor;0.5", "Gear ratio;4", "Analog factor;10", "Logic ratio;5",
+        "History ratio;4", "Oversampling factor;4", "Save every;1 sample"})
+    EXPECT_DOUBLE_EQ(period(line), 2e-3) << line;
+}
+
+TEST(LogStamps, TorquesAndTemperaturesCalledTAreNoTime) {
+  for (const char* names :
+       {"T [N m],t [s],phi [rad]", "T [degC],Time [s],x [mm]", "T,Time [s],x [mm]", "T,t,x [mm]",
+        "Time [N],time [s],x [mm]", "Time,t [s],x [mm]", "Time [s],t,x [mm]"}) {
+    const Log log = parse(std::string(names) + "\n20,0.000,1\n21,0.001,2\n20,0.002,3\n");
+    EXPECT_EQ(time_column(log), 1) << names;
+  }
+  std::string doubled = "t [s],x [mm],Timestamp\n";
+  for (int k = 0; k < 40; ++k)
+    doubled += std::to_string(k == 7 ? 6 : k) + ",1," + std::to_string(16 * k) + "\n";
+  EXPECT_EQ(time_column(parse(doubled)), 0);
+  EXPECT_EQ(time_column(parse("t,x [mm],Time [s]\n0,1,0\n1,2,0\n2,3,1\n")), 0);
+  EXPECT_EQ(time_column(parse("T [ms],x [mm],F [N]\n0,1,2\n1,2,3\n2,3,4\n")), 0);
+  EXPECT_EQ(time_column(parse("T [0.1 ms],x [mm],F [N]\n0,1,2\n1,2,3\n2,3,4\n")), 0);
+  EXPECT_THAT(refusal("T [degC],x [mm],F [N]\n20,1,2\n21,2,3\n20,3,4\n"), HasSubstr("has no time column"));
+}
+
+TEST(LogStamps, TheTimeOfAFilterIsNoPeriod) {
+  for (const char* line : {"Sample filter;4 ms", "Sampling window;4 ms", "Sample delay;4 ms",
+                           "Abtastfenster;4 ms", "Sampling trigger;4 ms"})
+    EXPECT_THAT(refusal("Scope\n" + std::string(line) + "\nx [mm];i [A];f [N]\n1;2;3\n2;3;4\n3;4;5\n"),
+                HasSubstr("has no time column"))
+        << line;
+}
+
 TEST(LogStamps, AHeadWithADownsamplingDoesNotTellThePeriod) {
   EXPECT_THAT(refusal("Scope\nSample time;125 us\nDownsampling;16\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
               HasSubstr("its head says \"Sample time: 125 us, Downsampling: 16\""));

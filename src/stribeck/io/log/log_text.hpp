@@ -189,8 +189,9 @@ Samples present(const std::vector<double>& t, const std::vector<double>& values)
 /// tools that join channels of different rates write blank cells between. Throws `first` where there is no time (−1).
 void leave_out_absent(Log& log, int time, const Problem& first);
 
-/// Seconds and nanoseconds in two columns become one time, with a note; false where a table has no such pair.
-bool join_seconds(Log& log);
+/// Seconds (of a number, or of a clock) and their fraction in two columns become one time, with a note; false where a table has no such
+/// pair. A sample time that was given (`given`) is not used then.
+bool join_seconds(Log& log, bool given);
 /// Beside "position[0]", "position[1]" has an index and not the unit 1.
 void tell_indices(Log& log);
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <functional>
 #include <map>
@@ -194,6 +195,38 @@ std::string head_of(const Json& object) {
   return head;
 }
 
+/// Rows of the table that a value may hold: of a list, or of lists beside each other. A table has two lists at least, so the second
+/// longest counts.
+std::size_t rows_in(const Json& value) {
+  if (value.is_array()) return value.size();
+  std::size_t longest = 0, second = 0;
+  if (!value.is_object()) return second;
+  for (const auto& list : value) {
+    const std::size_t rows = list.is_array() ? list.size() : 0;
+    second = std::max(second, std::min(rows, longest));
+    longest = std::max(longest, rows);
+  }
+  return second;
+}
+
+/// The table may stand inside, beside lists of channels or of events: {"channels": […], "data": […]}. The longest is taken, the first of
+/// those that are equally long.
+std::optional<std::string> longest_inside(const Json& object, std::size_t bytes, const std::string& source,
+                                          const std::string& head) {
+  std::vector<const Json*> inside;
+  for (const auto& value : object) {
+    if (rows_in(value) > 0) inside.push_back(&value);
+  }
+  std::stable_sort(inside.begin(), inside.end(),
+                   [](const Json* a, const Json* b) { return rows_in(*a) > rows_in(*b); });
+  for (const Json* const value : inside) {
+    if (auto table = list_of_objects(*value, bytes, source, head)) return table;
+    if (!value->is_object()) continue;
+    if (auto table = object_of_lists(*value, source, head)) return table;
+  }
+  return std::nullopt;
+}
+
 /// Python writes NaN, which is no JSON, for what is absent.
 std::string with_null_for_nan(std::string_view text) {
   std::string out;
@@ -245,14 +278,7 @@ std::optional<std::string> csv_of_json(std::string_view text, const std::string&
   if (!value->is_object()) return std::nullopt;
   const std::string head = head_of(*value);
   if (auto table = object_of_lists(*value, source, head)) return table;
-  // The table may stand inside: {"meta": …, "data": […]}.
-  for (const auto& item : value->items()) {
-    if (auto table = list_of_objects(item.value(), text.size(), source, head)) return table;
-    if (item.value().is_object()) {
-      if (auto table = object_of_lists(item.value(), source, head)) return table;
-    }
-  }
-  return std::nullopt;
+  return longest_inside(*value, text.size(), source, head);
 }
 
 }  // namespace stribeck::io::detail

@@ -6,7 +6,7 @@
 ///   {"t": [0.0, …], "x": [1.2, …]}  a list for each column
 ///
 /// An object inside a row gives "name.key", a list inside a row "name_0", "name_1". Of an object that holds one of these, its other texts and
-/// numbers are metadata. The result is the same table as CSV, for one reader of names, units and times.
+/// numbers are metadata; where it holds several, the longest is the table. The result is the same table as CSV, for one reader of names, units and times.
 /// Internal to io. Real time: no. Errors: InputError with the line of a row that is no JSON, or columns of different length.
 
 #include <optional>

@@ -55,6 +55,29 @@ TEST(JsonTable, AListForEachColumn) {
               HasSubstr("x_mm: has 2 values, expected 3 as in \"t_s\""));
 }
 
+TEST(JsonTable, TheLongestTableInsideIsTaken) {
+  const std::string rows = R"([{"t_s": 0, "x_mm": 1}, {"t_s": 0.5, "x_mm": 2}, {"t_s": 1, "x_mm": 3}])";
+  const std::string lists = R"({"t_s": [0, 0.5, 1], "x_mm": [1, 2, 3]})";
+  for (const std::string& data : {rows, lists}) {
+    for (const char* beside :
+         {R"("channels": [{"name": "x", "unit": "mm"}, {"name": "t", "unit": "s"}])",
+          R"("events": [{"t_s": 0, "id": 1}, {"t_s": 5, "id": 2}])",
+          R"("limits": {"min": [1, 2], "max": [3, 4]})",
+          R"("calibration": {"gains": [1, 2, 3, 4], "offsets": [3]})", R"("axes": ["x", "y", "z", "a"])"}) {
+      EXPECT_THAT(parse("{" + std::string(beside) + R"(, "data": )" + data + "}").at("x").values,
+                  ElementsAre(1.0, 2.0, 3.0))
+          << beside;
+      EXPECT_THAT(parse(R"({"data": )" + data + ", " + beside + "}").at("x").values,
+                  ElementsAre(1.0, 2.0, 3.0))
+          << beside;
+    }
+  }
+  // A damaged table is refused, and no shorter one is read in its place.
+  EXPECT_THAT(refusal(R"({"events": [{"t_s": 0, "id": 1}, {"t_s": 5, "id": 2}],
+                         "data": {"t_s": [0, 1, 2, 3], "x_mm": [1, 2, 3, 4], "f_N": [1, 2, 3]}})"),
+              HasSubstr("f_N: has 3 values, expected 4"));
+}
+
 TEST(JsonTable, ValuesInsideARow) {
   const Log log = parse(
       "{\"stamp\": {\"sec\": 1, \"nanosec\": 0}, \"position\": [1.5, 2.5]}\n"
