@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kLeastEffect = 50e-9;
 constexpr double kLeastShare = 0.01;  // of the largest effect
-constexpr double kBeyond = 1.5;       // half widths of the 95 % interval: three standard deviations
+constexpr double kLeastOfSpike =
+    0.05;  // of a spike: what a cyclic error beside it must have, as friction leaves ripples of some percent
+constexpr double kBeyond = 1.5;  // half widths of the 95 % interval: three standard deviations
 
 struct Fitted {
   std::vector<Offset> offsets;  ///< of each log, taken off its rows
@@ -279,14 +281,68 @@ void add_width_of_fit(const Fitted& f, const stats::Uncertainty& u, QuadrantPeak
       std::hypot(peak.half_width_95, u.half_width(column_values(f.rows, f.design.columns, at)));
 }
 
+/// The uncertainty of a fit of rows.
+stats::Uncertainty uncertainty_of(const CauseRows& rows, const CauseFit& fit) {
+  std::vector<int> record;
+  std::vector<std::size_t> at;
+  for (const std::size_t i : fit.used) {
+    record.push_back(rows.rows[i].run);
+    at.push_back(rows.rows[i].at);
+  }
+  return {fit.X, fit.rest, fit.inverse, record, at};
+}
+
+/// What friction leaves outside of the window has the form of other causes, small beside the spike and large beside noise: the tail of a
+/// spike, and the error before a reversal, where friction rises as the axis slows down. Where more is left out, it is gone, and a cause of
+/// its own stays: how far each size moves beyond its interval there, in the order of the columns.
+std::vector<double> moved_by_window(const Fitted& f, const std::vector<Cause>& sizes) {
+  constexpr double kDegree = kPi / 180.0;
+  constexpr double kLongest = 45.0 * kDegree;
+  struct Longer {
+    double times, more, before;  // of the window, and before a reversal [rad]
+  };
+  constexpr std::array<Longer, 4> kLonger{{{1.6, 3.0 * kDegree, kDegree},
+                                           {2.5, 6.0 * kDegree, kDegree},
+                                           {1.0, 0.0, 12.0 * kDegree},
+                                           {1.0, 0.0, 22.0 * kDegree}}};
+  std::vector<double> moved(sizes.size(), 0.0);
+  for (const auto& [times, more, before] : kLonger) {
+    Windows windows = f.fit.windows;
+    for (double& w : windows) w = std::max(w, std::min(times * w + more, kLongest));
+    Fitted other = f;
+    other.fit = fit_causes(f.rows, f.design, windows, before);
+    if (other.fit.rest.size() == 0 || !other.fit.coefficients.allFinite()) continue;
+    const stats::Uncertainty u = uncertainty_of(other.rows, other.fit);
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      const Cause now = cause_of(other, u, f.design.columns.causes[k]);
+      const double beyond = std::abs(now.size - sizes[k].size) - now.half_width;
+      if (beyond > moved[k]) moved[k] = beyond;
+    }
+  }
+  return moved;
+}
+
+/// The few fits show a part of how far a size may move: it counts twice.
+void widen(Cause& cause, double moved) {
+  if (!(moved > 0.0) || !(cause.half_width > 0.0)) return;
+  const double ratio = 1.0 + 2.0 * moved / cause.half_width;
+  cause.half_width *= ratio;
+  for (Cause::Figure& f : cause.figures) f.half_width *= ratio;
+}
+
 void rank(std::vector<Cause>& causes) {
-  double most = 0.0;
-  for (const Cause& c : causes) most = std::max(most, is_set_up(c.kind) ? 0.0 : c.effect);
+  double most = 0.0, spike = 0.0;
+  for (const Cause& c : causes) {
+    most = std::max(most, is_set_up(c.kind) ? 0.0 : c.effect);
+    if (c.kind == CauseKind::kReversalSpike && c.found) spike = std::max(spike, c.effect);
+  }
   double all = 0.0;
   for (Cause& c : causes) {
     const bool clear =
         c.kind == CauseKind::kReversalSpike ? c.found : std::abs(c.size) > kBeyond * c.half_width;
-    c.found = clear && c.effect > kLeastEffect && c.effect > kLeastShare * most;
+    const double least =
+        std::max(kLeastShare * most, c.kind == CauseKind::kCyclic ? kLeastOfSpike * spike : 0.0);
+    c.found = clear && c.effect > kLeastEffect && c.effect > least;
     if (c.found && !is_set_up(c.kind)) all += c.effect;
   }
   for (Cause& c : causes) c.share = c.found && !is_set_up(c.kind) ? c.effect / all : 0.0;
@@ -310,20 +366,19 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   f.design = design_of(f.rows, pitches);
   f.fit = fit_with_window(f.rows, f.design);
   if (f.fit.rest.size() == 0 || !f.fit.coefficients.allFinite()) return std::nullopt;
-  std::vector<int> record;
-  std::vector<std::size_t> at;
-  for (const std::size_t i : f.fit.used) {
-    record.push_back(f.rows.rows[i].run);
-    at.push_back(f.rows.rows[i].at);
-  }
-  const stats::Uncertainty u(f.fit.X, f.fit.rest, f.fit.inverse, record, at);
+  const stats::Uncertainty u = uncertainty_of(f.rows, f.fit);
   Diagnosis out;
   out.axes = f.rows.axes;
   const bool commanded =
       std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.commanded; });
-  for (const CauseColumns& c : f.design.columns.causes) {
+  std::vector<Cause> sizes;
+  for (const CauseColumns& c : f.design.columns.causes) sizes.push_back(cause_of(f, u, c));
+  const std::vector<double> moved = moved_by_window(f, sizes);
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const CauseColumns& c = f.design.columns.causes[k];
     if (c.kind == CauseKind::kCentre && !commanded) continue;
-    Cause cause = cause_of(f, u, c);
+    Cause cause = std::move(sizes[k]);
+    widen(cause, moved[k]);
     // Each log has its own set-up; the largest offset, and the largest drift, stand for all.
     if (is_set_up(c.kind) && c.log > 0) {
       if (cause.size > out.causes.back().size) out.causes.back() = std::move(cause);
@@ -363,119 +418,6 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
                           [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });
   out.span = high->error - low->error;
   return out;
-}
-
-CauseWords words_of(const Diagnosis& d, CauseKind kind) {
-  if (kind == CauseKind::kRadius && d.own_encoder)
-    return {
-        "the positions stay inside the commanded circle, or outside, in both axes alike: the axes lag behind their commands, or are fed "
-        "forward too much",
-        "switch on velocity and acceleration feed-forward, or raise the position gain of both axes; where the circle is too large, "
-        "lower the acceleration feed-forward",
-        true};
-  if (!d.own_encoder) return words_of(kind);
-  // The encoder of an axis sees this axis alone, and no instrument stands beside it.
-  switch (kind) {
-    case CauseKind::kSquareness:
-      return {
-          "the positions have the form of axes that are not square, which their own encoders cannot see: the loops make it, where one axis disturbs the other",
-          "enter no angle; look at the loops at several feeds, and measure the squareness with a ball-bar or a grid encoder",
-          false};
-    case CauseKind::kStraightness:
-      return {
-          "the positions have the form of a bent guide, which their own encoders cannot see: what friction and the loops leave beside the spikes",
-          "enter no correction; compensate the friction and repeat the circle, and measure the straightness with a straight edge or a laser",
-          false};
-    case CauseKind::kLateralPlay:
-      return {
-          "the positions have the form of a slide that moves sideways, which their own encoders cannot see: the reversal of one axis disturbs the other",
-          "look at the loops of both axes at several feeds; measure play of a guide with a ball-bar or an indicator",
-          false};
-    case CauseKind::kCentre:
-      return {
-          "the middle of the positions is not the commanded one: friction, or a load, holds the axes on one side",
-          "nothing where it is small; else integral action in the loops, or compensation of friction and load",
-          false};
-    default:
-      break;
-  }
-  if (kind != CauseKind::kBacklash) return words_of(kind);
-  return {
-      "the position stays behind its command by this distance after each reversal: friction that the loop lets through, or play where its encoder is a scale at the table; negative: its compensation pushes too far",
-      "do not enter it as backlash: identify the friction (stribeck identify) and compensate it, or give the loop more gain or integral action; measure play with a ball-bar, an indicator or a scale",
-      true};
-}
-
-CauseWords words_of(const Diagnosis& d, const Cause& cause) {
-  if (cause.size < 0.0 && cause.kind == CauseKind::kReversalSpike)
-    return {"the axis goes too far after it has reversed: its friction compensation pushes too much",
-            "the friction compensation of this axis is too strong: reduce its force, then repeat the circle",
-            true};
-  if (cause.size < 0.0 && cause.kind == CauseKind::kBacklash && d.own_encoder)
-    return {
-        "the position is ahead of its command by this distance after each reversal: a compensation of this axis pushes too far",
-        "the compensation of friction or backlash of this axis is too strong: reduce it, then repeat the circle",
-        true};
-  return words_of(d, cause.kind);
-}
-
-CauseWords words_of(CauseKind kind) {
-  switch (kind) {
-    case CauseKind::kReversalSpike:
-      return {
-          "the axis sticks for a moment after it has reversed; negative: its compensation pushes too much",
-          "identify the friction of this axis (stribeck identify) and switch on friction compensation; check lubrication first",
-          true};
-    case CauseKind::kBacklash:
-      return {
-          "the slide follows the drive late by this distance after each reversal, beside what is compensated; negative: it is compensated too much",
-          "check coupling, nut and bearings for play, and the positions of the control: what they show too is friction that the loop lets through; then add this value to the backlash compensation that is set (a negative one lowers it)",
-          true};
-    case CauseKind::kLateralPlay:
-      return {"the slide moves sideways when it reverses",
-              "adjust the gibs or the preload of the guide of this axis", false};
-    case CauseKind::kCyclic:
-      return {
-          "the position error of this axis repeats with this pitch",
-          "compare the pitch with lead, gear, belt and scale; repair the part with that pitch, or enter it in the screw error table",
-          true};
-    case CauseKind::kServoMismatch:
-      return {"one axis follows later than the other",
-              "set both axes to the same position gain, or to the lower of the two", true};
-    case CauseKind::kScaleMismatch:
-      return {"one axis travels farther than the other for the same command",
-              "check temperature and scale of both axes; then correct the scale factor or the error table",
-              true};
-    case CauseKind::kSquareness:
-      return {"the axes are not square to each other",
-              "align the guides; where the control has it, enter the angle in its squareness compensation",
-              true};
-    case CauseKind::kStraightness:
-      return {"a guide is bent along the other axis, or the scale errs with the square of the travel",
-              "measure the straightness along the whole travel; align the guide, or fill a cross-error table",
-              true};
-    case CauseKind::kRadius:
-      return {"the circle is larger or smaller than commanded in both axes alike",
-              "check temperature, the calibrated length of the instrument and the scales of both axes", true};
-    case CauseKind::kLag:
-      return {"the circle shrinks with the square of the feed because the axes lag",
-              "switch on velocity and acceleration feed-forward, or raise the position gain of both axes",
-              true};
-    case CauseKind::kVibration:
-      return {
-          "the tool swings at this frequency between the reversals",
-          "compare the frequency with motor, pump and gear; lower the velocity gain or set a notch filter",
-          true};
-    case CauseKind::kCentre:
-      return {"set-up: the instrument stood off the centre of the circle, the machine is not to blame",
-              "nothing on the machine; centre the instrument better", false};
-    case CauseKind::kDrift:
-      return {
-          "the centre of the circle moved evenly by this distance while the log was made: the machine warms up, or the instrument "
-          "or its magnet slips",
-          "repeat the measurement with a warm machine and a tight instrument", false};
-  }
-  return {};
 }
 
 }  // namespace stribeck::ident::circle

@@ -6,10 +6,11 @@
 /// θ angle from +x, d = ±1 direction of travel (+ counter-clockwise), V feed, R radius; x along θ = 0, y along 90 degrees.
 /// The first degrees after a reversal are left out of the fit; what they hold beyond it are the quadrant peaks. A cyclic error is
 /// added where a pitch lowers the rest clearly, and so is an even drift of the centre over a log. A cause counts as found where its size is beyond 1.5 half widths of its 95 % interval, and
-/// its effect at least 50 nm and a hundredth of the largest one.
+/// its effect at least 50 nm and a hundredth of the largest one; of a cyclic error also a twentieth of the largest spike.
 ///
 /// Source: the causes are those that ball-bar users know; columns from the geometry of the circle. Intervals:
-/// ident/stats/uncertainty.hpp.
+/// ident/stats/uncertainty.hpp, and how far a size moves beyond it when more is left out around the reversals: the tail of a spike has the
+/// form of other causes.
 /// Not modelled: causes that depend on temperature or place; stick-slip; two axes' slides that are no straight angle lines.
 /// Real time: no. Errors: none; without enough rows there is no result.
 

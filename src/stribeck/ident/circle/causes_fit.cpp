@@ -208,13 +208,13 @@ class WindowSearch {
 
 }  // namespace
 
-CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows) {
+CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows, double before) {
   CauseFit fit;
   fit.windows = windows;
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const double behind = after_reversal(rows.rows[i]);
     const double window = windows[static_cast<std::size_t>(last_border(rows.rows[i]) % 2)];
-    if (behind >= window && behind <= 0.5 * kPi - kDegree) fit.used.push_back(i);
+    if (behind >= window && behind <= 0.5 * kPi - before) fit.used.push_back(i);
   }
   const auto n = static_cast<Eigen::Index>(fit.used.size());
   const int p = design.columns.count;

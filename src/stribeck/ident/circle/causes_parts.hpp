@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
 #include <utility>
 #include <vector>
@@ -109,7 +110,9 @@ struct CauseFit {
   Windows windows{};
   [[nodiscard]] double window() const { return std::max(windows[0], windows[1]); }
 };
-CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows);
+/// `before`: angle before a reversal that is left out too [rad].
+CauseFit fit_causes(const CauseRows& rows, const Design& design, const Windows& windows,
+                    double before = kPi / 180.0);
 /// The same with the shortest window that leaves no more than any longer one. Where both directions were measured and that window is
 /// long, longer ones are tried for each axis (45 and 60 degrees, which must take off a fifth of the variance), and then shorter ones for
 /// the axis that needs none.

@@ -37,7 +37,9 @@ class Description {
         options_(options),
         notes_(notes),
         terms_(found.intervals.linear),
-        drift_(found.log, found.rows, found.choice.map.fit, found.intervals.residual) {}
+        drift_(found.may_drift
+                   ? LevelDrift(found.log, found.rows, found.choice.map.fit, found.intervals.residual)
+                   : LevelDrift()) {}
 
   Result write() {
     write_head();
@@ -45,7 +47,7 @@ class Description {
     for (int s = 0; s < map::kSides; ++s) write_speeds(s);
     write_shift();
     write_map();
-    write_periodic();
+    add_periodic(result_, found_, notes_);
     for (int s = map::kSides - 1; s >= 0; --s) write_curve(s);
     write_points();
     return std::move(result_);
@@ -53,6 +55,10 @@ class Description {
 
  private:
   [[nodiscard]] const map::StaticFit& map() const { return found_.choice.map.fit; }
+  /// Whether speeds are those of a linear axis: of an angle nothing is usual.
+  [[nodiscard]] bool metres() const {
+    return result_.position_unit == "m" && !found_.log.records.front().turns();
+  }
   /// The texts "N" and "m" stand for the units of the log.
   [[nodiscard]] std::string in_units(std::string unit) const {
     if (result_.force_unit != "N" && unit.starts_with("N")) unit = result_.force_unit + unit.substr(1);
@@ -92,7 +98,6 @@ class Description {
   void write_load();
   void note_load();
   std::size_t write_branch(std::size_t s, friction::GaussianBranch<double>& branch);
-  void write_periodic();
   void write_curve(int s);
   void keep_told(std::vector<CurvePoint>& points);
   [[nodiscard]] double model_spread(int s, double speed) const {
@@ -163,8 +168,8 @@ std::optional<double> Description::stribeck_speed_of(const Summary& summary, int
       !(rise > found_.intervals.factor * error_of(summary.rise, s)))
     return {};
   const double speed = summary.stribeck_speed->value;
-  const bool usual = result_.position_unit != "m" || speed <= kFastStribeckSpeed ||
-                     (rise > kGoodPart * coulomb && speed < kNoStribeckSpeed);
+  const bool usual =
+      !metres() || speed <= kFastStribeckSpeed || (rise > kGoodPart * coulomb && speed < kNoStribeckSpeed);
   return usual ? std::optional<double>(speed) : std::nullopt;
 }
 
@@ -198,9 +203,8 @@ void Description::write_summary(int s) {
 /// which there usually is one. The first direction that does not is noted.
 bool Description::slow_enough(int s, const std::optional<double>& stribeck_speed) {
   const map::Grid& grid = found_.rows.grid[static_cast<std::size_t>(s)];
-  const bool metres = result_.position_unit == "m";
   const double slow = stribeck_speed ? kMostOfStribeckSpeed * *stribeck_speed
-                      : metres       ? kUsualStribeckSpeed
+                      : metres()     ? kUsualStribeckSpeed
                                      : kSlowOfTop * grid.high;
   if (grid.low <= slow) return true;
   if (said_slowest_) return false;
@@ -222,18 +226,17 @@ bool Description::slow_enough(int s, const std::optional<double>& stribeck_speed
 void Description::write_speeds(int s) {
   const auto side = static_cast<std::size_t>(s);
   const double d = map::kDirection[side];
-  const bool metres = result_.position_unit == "m";
+  const bool turns = found_.log.records.front().rotary;
   for (const double speed : shown_speeds(found_.rows.grid[side])) {
     const Figure f = friction_at(map(), s, speed);
-    const bool turns = found_.log.records.front().rotary;
     add(text("friction_at_%+.3g_%s",
              d * speed *
-                 (turns    ? 180.0 / kPi
-                  : metres ? 1e3
-                           : 1.0),
-             turns    ? "deg_per_s"
-             : metres ? "mm_per_s"
-                      : "rad_per_s"),
+                 (turns      ? 180.0 / kPi
+                  : metres() ? 1e3
+                             : 1.0),
+             turns      ? "deg_per_s"
+             : metres() ? "mm_per_s"
+                        : "rad_per_s"),
         d * f.value, "N", "N", curve_error(f, s, speed), true);
   }
 }
@@ -320,8 +323,15 @@ void Description::write_load() {
   }
   if (std::abs(fit.load) > 0.0) {
     VectorXd h = found_.intervals.zero();
-    h(at(0)) = 0.5;
-    h(at(fit.span(1).first)) = -0.5;
+    for (const map::LevelPoint& p : map::level_points(std::min(fit.top[0], fit.top[1]))) {
+      for (int s = 0; s < map::kSides; ++s) {
+        const auto [first, count] = fit.span(s);
+        std::vector<double> slope(count);
+        fit.gradient(s, p.speed, slope.data());
+        for (std::size_t j = 0; j < count; ++j)
+          h(at(first + j)) += 0.5 * map::kDirection[static_cast<std::size_t>(s)] * p.weight * slope[j];
+      }
+    }
     add("load", fit.load, "N", "N", found_.intervals.error_of(h), true);
     note_load();
     return;
@@ -334,7 +344,7 @@ void Description::write_load() {
     const double half = 0.5 * (level(0) - level(1)), mean = 0.5 * (level(0) + level(1));
     if (std::abs(half) > most * mean) apart = half, most = std::abs(half) / std::max(mean, 1e-300);
   }
-  if (apart != 0.0) {
+  if (apart != 0.0 && !options_.balanced) {
     notes_.cannot_tell.push_back(text(
         "whether half the difference between the directions, %s, is a load or friction: it is taken as friction",
         Shown(found_.log.records.front()).force(std::abs(apart)).c_str()));
@@ -393,36 +403,6 @@ void Description::write_map() {
   steady.validate([&](const auto&, const auto& words) {
     notes_.warn(std::string("friction map: ") + std::string(words));
   });
-}
-
-void Description::write_periodic() {
-  const std::vector<PeriodicColumns>& periodic = found_.terms.periodic;
-  if (periodic.empty()) return;
-  result_.model += " + periodic";
-  for (std::size_t n = 0; n < periodic.size(); ++n) {
-    const auto i = static_cast<Index>(found_.terms.first_periodic() + 2 * n);
-    const double s = found_.fit.value(i), c = found_.fit.value(i + 1);
-    // s·sin + c·cos = A·sin(· − φ)
-    const double amplitude = std::hypot(s, c);
-    const double phase = std::atan2(-c, s);
-    VectorXd along = found_.intervals.zero(), across = along;
-    along(i) = s / amplitude, along(i + 1) = c / amplitude;
-    across(i) = c / (amplitude * amplitude);
-    across(i + 1) = -s / (amplitude * amplitude);
-    const std::string tail = "_" + std::to_string(n + 1);
-    add("periodic_amplitude" + tail, amplitude, "N", "N", found_.intervals.error_of(along), true);
-    Parameter period;
-    period.name = "periodic_period" + tail;
-    period.value = periodic[n].period;
-    period.unit = "m", period.shown = "mm";
-    period.ci_low = periodic[n].period_interval.low, period.ci_high = periodic[n].period_interval.high;
-    result_.parameters.push_back(period);
-    const double phase_error = found_.intervals.error_of(across);
-    add("periodic_phase" + tail, phase, "rad", "rad", phase_error, true);
-    result_.parameters.back().identifiable = found_.intervals.factor * phase_error < 0.5 * kPi;
-    result_.friction.eccentric.push_back({amplitude, periodic[n].period, phase, periodic[n].form});
-  }
-  notes_.warn("the phase of the periodic terms belongs to the homing position of this log");
 }
 
 void Description::write_curve(int s) {

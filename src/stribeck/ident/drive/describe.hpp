@@ -31,6 +31,7 @@ struct Found {
   std::optional<ToldLoad> load =
       {};  ///< absent: the load of the map is half the sum of the directions, or none
   const LevelDrift* taken_out = nullptr;  ///< drift of friction that the records had
+  bool may_drift = true;  ///< false: what looks like a drift of friction is an error of the curve
 };
 
 /// The result without its notes, and without what add_bristle() and add_places() add.
@@ -38,6 +39,10 @@ Result describe(const Found& found, const DriveFitOptions& options, Notes& notes
 
 /// Adds the filter of the drive that was taken off the record, if one was.
 void describe_filter(const log::Record& record, Result& result, Notes& notes);
+
+/// Adds the terms periodic in position. The weight of a rotary axis, which repeats every turn, has a name of its own and stands behind the
+/// others, so that their numbers are those of the parameters.
+void add_periodic(Result& result, const Found& found, Notes& notes);
 
 /// Adds friction along the travel.
 void add_places(Result& result, const PlaceShares& along, const Shown& shown, Notes& notes);

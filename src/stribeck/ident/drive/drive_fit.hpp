@@ -42,10 +42,12 @@ struct DriveFitOptions {
   std::optional<int> terms;     ///< Gaussians of each branch; absent: chosen from the data
   int most_terms = 6;           ///< largest number that is tried
   bool symmetric = true;        ///< try symmetric families, which separate a load from friction
-  bool periodic = true;         ///< search for terms periodic in position
-  bool places = true;           ///< search for friction that differs along the travel
-  bool dynamics = true;         ///< estimate pre-sliding from reversals
-  double cut_off = 0.0;         ///< Butterworth filter instead of the chosen window [Hz]; 0: window
+  bool balanced = false;  ///< no load is searched in the reversals; what differs by direction is friction
+  bool weighted = false;  ///< a load is known to pull: half of what differs by direction is taken for it
+  bool periodic = true;   ///< search for terms periodic in position
+  bool places = true;     ///< search for friction that differs along the travel
+  bool dynamics = true;   ///< estimate pre-sliding from reversals
+  double cut_off = 0.0;   ///< Butterworth filter instead of the chosen window [Hz]; 0: window
   double control_period = 0.0;  ///< over which a command is held, in a log of every n-th one [s]; 0: a row
   int bins = 160;               ///< of velocity, each direction
   int curve_points = 120;       ///< each direction; straight lines between them are right to 0.02 % of a bump

@@ -371,6 +371,41 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
       ::testing::ThrowsMessage<Refused>(HasSubstr("expected V and m")));
 }
 
+// A belt axis whose jogs go from slow to fast: each speed has its own time, and what the bristle does at the slow ones looked like a level of
+// friction that rises by a quarter over the log.
+TEST(DriveFit, AnErrorOfTheCurveIsNoDrift) {
+  test::Drive drive = light();
+  drive.mass = 0.8;
+  drive.sample_time = 1e-3;
+  drive.encoder = 5e-6;
+  drive.friction.positive = {2.2, 4.0, {}};
+  drive.friction.positive.gaussians.push_back({0.8, 0.0, 15e-3});
+  drive.friction.negative = {-2.2, 4.0, {}};
+  drive.friction.negative.gaussians.push_back({-0.8, 0.0, 15e-3});
+  drive.sigma0 = 5e4;
+  drive.sigma1 = 20.0;
+  drive.damping_velocity = 0.1e-3;
+  drive.noise_rms = 0.044;
+  drive.noise_time = 5e-3;
+  drive.force_per_volt = 6.0;
+  const excitation::Limits limits{-0.25, 0.25, 0.5, 4.0, 0.0};
+  excitation::JogDesign jog;
+  jog.speeds = excitation::jog_speeds(excitation::fastest_jog(limits, drive.sample_time, jog));
+  const auto jogs = excitation::design_jog(limits, drive.sample_time, jog);
+  const log::Record slow = test::run_closed(drive, drive.mass, jogs.r, 8);
+  const log::Record fast =
+      test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.1, 4.0, 6.0), 9);
+  const Result r = identify_drive({slow, fast}, quick());
+  for (const std::string& w : r.warnings) {
+    EXPECT_EQ(w.find("friction rose"), std::string::npos) << w;
+    EXPECT_EQ(w.find("friction fell"), std::string::npos) << w;
+  }
+  for (const CurvePoint& p : r.curve) {
+    if (std::abs(p.velocity) < 20e-3) continue;
+    EXPECT_NEAR((p.friction + r.load) / drive.steady(p.velocity), 1.0, 0.02) << p.velocity;
+  }
+}
+
 TEST(DriveFit, SaysWhatWarmingUpDoes) {
   const test::Drive drive = light();
   log::Record rec = sine(drive, 3, 6.0);

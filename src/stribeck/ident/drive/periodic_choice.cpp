@@ -223,6 +223,7 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
                                Notes& notes) {
   map::PeriodicOptions search;
   search.most = static_cast<int>(friction::kMaxEccentricTerms);
+  if (log.records.front().turns()) search.known = 2.0 * kPi;
   map::PeriodicResult first = map::find_periodic(rows_for_periodic(log, rows, terms, fit), search);
   for (const std::string& note : first.notes) notes.warn(note);
   PeriodicChoice out{std::move(map), terms, fit, std::move(first.spectrum)};

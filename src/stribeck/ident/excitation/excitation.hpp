@@ -176,8 +176,9 @@ std::string why_no_gcode(const std::string& axis);
 
 /// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move) for an axis letter, and of SINUMERIK's
 /// where a number follows the letter. A constant speed is one move; other motions are moves of about 20 ms. Refused for forces, which G-code cannot command.
+/// Degrees are those of an arc at this radius [m].
 std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine,
-                     GcodeUnit unit = GcodeUnit::kMillimetre);
+                     GcodeUnit unit = GcodeUnit::kMillimetre, double radius = 1.0);
 
 }  // namespace stribeck::ident::excitation
 

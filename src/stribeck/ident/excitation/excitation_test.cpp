@@ -482,12 +482,25 @@ TEST(Excitation, GcodeOfAnAxisWithANumberIsThatOfSinumerik) {
   }
   for (std::string line; std::getline(b, line);)
     if (!line.starts_with("; ")) moves.push_back(line);
-  std::replace(wanted.begin(), wanted.end(), std::string("G21 G90 G94 G64"), std::string("G71 G90 G94 G64"));
+  std::replace(wanted.begin(), wanted.end(), std::string("G21 G90 G94 G64"), std::string("G710 G90 G94 G64"));
+  std::replace(wanted.begin(), wanted.end(), std::string("G49"), std::string("G500 D0"));
   EXPECT_EQ(moves, wanted);
   EXPECT_EQ(code.find("; sine of axis X1, table\n"), 0u);
   EXPECT_NE(code.find("; for SINUMERIK; other controls, as LinuxCNC, know no axis X1\n"), std::string::npos);
   EXPECT_EQ(code.find_first_of("()"), std::string::npos);
   for (const char* none : {"1x", "x-1", "xx", "q1", "", "X1a"}) EXPECT_EQ(gcode_word(none), "") << none;
+}
+
+// Travel and free room are those of the machine: a work offset or a tool length of the last part would move all of it.
+TEST(Excitation, GcodeIsInTheCoordinatesOfTheMachine) {
+  const Excitation e = design_sine(kTable, kPeriod, {0.0, 0.010, 0.9, 1});
+  const std::string plain = as_gcode(e, "z", "t"), sinumerik = as_gcode(e, "z1", "t");
+  EXPECT_NE(plain.find("\nG49\nG21 "), std::string::npos);
+  EXPECT_NE(plain.find("(positions are those of the machine: no work offset, G52, G92 or rotation may act"),
+            std::string::npos);
+  EXPECT_NE(sinumerik.find("\nG500 D0\nG710 "), std::string::npos);
+  EXPECT_NE(sinumerik.find("; positions are those of the machine: G500 D0 switches"), std::string::npos);
+  EXPECT_EQ(plain.find("G53"), std::string::npos) << "a rapid move in the dialects of Fanuc";
 }
 
 // A lathe that counts X in diameter would move half as far.

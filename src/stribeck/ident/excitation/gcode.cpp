@@ -15,7 +15,9 @@ constexpr double kGcodeStep = 0.02;  // [s]
 constexpr double kFinest = 1e-7;     // shortest move of G-code [m]
 
 /// Units per metre.
-double scale_of(GcodeUnit unit) { return unit == GcodeUnit::kDegree ? 180.0 / kPi : 1e3; }
+double scale_of(GcodeUnit unit, double radius) {
+  return unit == GcodeUnit::kDegree ? 180.0 / kPi / radius : 1e3;
+}
 
 /// How a program is written. LinuxCNC's is the dialect of most controls; SINUMERIK has comments, units and dwells of its own, and names
 /// of axes with a number.
@@ -56,15 +58,21 @@ std::string head_of(const Excitation& e, const Dialect& d, const std::string& ma
         d.sinumerik
             ? "X counts the travel: on a lathe switch diameter programming off before, DIAMOF"
             : "X counts the travel: on a lathe switch diameter programming off before, LinuxCNC G8, SINUMERIK DIAMOF");
+  // Not G53 in each move: it is a rapid move in the dialects of Fanuc, whatever the feed.
+  out += d.comment(
+      d.sinumerik
+          ? "positions are those of the machine: G500 D0 switches zero offset and tool off; no base frame, TRANS, ROT or MIRROR may act"
+          : "positions are those of the machine: no work offset, G52, G92 or rotation may act; LinuxCNC G10 L2 P1 X0 Y0 Z0 R0, G92.1");
+  if (!d.sinumerik)
+    out += d.comment("G49 switches the tool length off, also for what comes after this program");
   return out +
          d.comment("the control adds its own ramps: feed override 100 %, nothing else moving, no cutting") +
-         (d.sinumerik ? "G71 G90 G94 G64\n" : "G21 G90 G94 G64\n");
+         // G71 would leave the feed in the unit of the machine's basic system; G710 is for lengths and feed.
+         (d.sinumerik ? "G500 D0\nG710 G90 G94 G64\n" : "G49\nG21 G90 G94 G64\n");
 }
 
 /// Rounded as it is printed, without a sign before zero.
-double printed(double metres, GcodeUnit unit) {
-  return std::round(metres * scale_of(unit) * 1e6) * 1e-6 + 0.0;
-}
+double printed(double metres, double scale) { return std::round(metres * scale * 1e6) * 1e-6 + 0.0; }
 
 }  // namespace
 
@@ -87,16 +95,17 @@ std::string why_no_gcode(const std::string& axis) {
       axis);
 }
 
-std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine,
-                     GcodeUnit unit) {
+std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine, GcodeUnit unit,
+                     double radius) {
   if (e.r.empty()) {
     throw Refused(
         std::string(enum_name(e.method)) +
         ": G-code commands positions and cannot command forces in open loop; give the table to a control that takes forces, or choose jog, sine, position-sine or constant-acceleration");
   }
   const Dialect dialect = dialect_for(axis);
+  const double scale = scale_of(unit, radius);
   std::string out = head_of(e, dialect, machine, unit) +
-                    fmt::format("G0 {}{:.6f}\n", dialect.axis, printed(e.r.front(), unit)) +
+                    fmt::format("G0 {}{:.6f}\n", dialect.axis, printed(e.r.front(), scale)) +
                     dialect.dwell("1");
   const double T = e.sample_time;
   const bool flats = e.method == ExcitationMethod::kJog;
@@ -130,8 +139,8 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
       }
       fastest = std::abs(e.r[last] - e.r[k]) / static_cast<double>(last - k);
     }
-    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", dialect.axis, printed(e.r[last], unit),
-                       fastest / T * 60.0 * scale_of(unit));
+    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", dialect.axis, printed(e.r[last], scale),
+                       fastest / T * 60.0 * scale);
     k = last;
   }
   return out + "M2\n";

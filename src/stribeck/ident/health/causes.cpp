@@ -12,6 +12,7 @@ namespace {
 /// The shifts that count, by what they are; 0 where one does not count.
 struct Pattern {
   double forward = 0.0, backward = 0.0, coulomb = 0.0, viscous = 0.0, offset = 0.0, mass = 0.0, spring = 0.0;
+  double unbalance = 0.0;
   double place = 0.0, periodic = 0.0, circle = 0.0;
   const Channel* where = nullptr;  ///< of the place with the largest rise
   const Channel* wave = nullptr;
@@ -46,6 +47,9 @@ Pattern pattern_of(const std::vector<Channel>& channels, const std::vector<Shift
         break;
       case Number::kSpring:
         p.spring = s.share;
+        break;
+      case Number::kUnbalance:
+        p.unbalance = s.share;
         break;
       case Number::kPlace:
         if (s.share > p.place) {
@@ -149,6 +153,11 @@ std::vector<Cause> causes_of(const std::vector<Channel>& channels, const std::ve
     out.push_back(
         {"cable chain, hose, bellows or balance", "the force that grows with position changed",
          "look at what is pulled along with the axis: a chain that jams, a hose that was tied, a gas spring"});
+  if (p.unbalance != 0.0)
+    out.push_back({p.unbalance > 0.0 ? "more weight away from the axis: workpiece, fixture or counterweight"
+                                     : "less weight away from the axis: workpiece, fixture or counterweight",
+                   "the torque that follows the sine of the angle changed",
+                   "repeat the test with an empty table; a fixture that stays needs a new identification"});
   add_place(p, out);
   if (p.periodic > 0.0)
     out.push_back({fmt::format("screw, bearing or coupling out of true (period {:.4g} {})",

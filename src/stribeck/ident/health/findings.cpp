@@ -73,6 +73,8 @@ void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::v
     add(Number::kSpring, {}, scaled(&Measured::spring, end),
         std::max(level, std::abs(end * first.spring->value)));
   }
+  if (first.unbalance)
+    add(Number::kUnbalance, {}, scaled(&Measured::unbalance, 1.0), std::max(level, first.unbalance->value));
   for (std::size_t j = 0; j < first.places.size(); ++j)
     add(
         Number::kPlace, {first.places[j].from, first.places[j].to},

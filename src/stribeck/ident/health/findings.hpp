@@ -55,6 +55,7 @@ enum class Number {
   kOffset,
   kMass,
   kSpring,  ///< force at the end of the travel
+  kUnbalance,
   kPlace,
   kPeriodic,
   kCircularDeviation,
@@ -138,6 +139,7 @@ struct stribeck::EnumNames<stribeck::ident::health::Number> {
                                     std::pair{N::kOffset, std::string_view{"offset"}},
                                     std::pair{N::kMass, std::string_view{"mass"}},
                                     std::pair{N::kSpring, std::string_view{"spring"}},
+                                    std::pair{N::kUnbalance, std::string_view{"unbalance"}},
                                     std::pair{N::kPlace, std::string_view{"place"}},
                                     std::pair{N::kPeriodic, std::string_view{"periodic"}},
                                     std::pair{N::kCircularDeviation, std::string_view{"circular-deviation"}},

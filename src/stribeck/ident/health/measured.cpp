@@ -9,7 +9,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/measured.hpp>
-#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/health/measured_rows.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
@@ -18,132 +18,13 @@
 namespace stribeck::ident::health {
 namespace {
 
-constexpr std::size_t kFewRows = 20;      // of one speed and direction
-constexpr std::size_t kMostRows = 30000;  // more add time and no knowledge
-constexpr std::size_t kPlaces = 4;
-constexpr double kAfterReversal = 1.0 / 400.0;  // of the stroke
-constexpr std::size_t kOwnSpeeds = 12;          // of rows between the speeds, each direction
-constexpr double kAtSpeed = 0.05;               // share
-constexpr double kOutside = 1.1;  // speeds beyond the plan by more than this factor are left out
-
-/// The rows of all logs that a test uses.
-struct Rows {
-  std::vector<double> x, v, a, f;
-  std::vector<int> record;
-  std::vector<std::size_t> at;
-  double duration = 0.0;  ///< [s]
-
-  [[nodiscard]] std::size_t size() const { return x.size(); }
-};
-
-Rows rows_of(const std::vector<log::Record>& records, double shift) {
-  std::size_t all = 0;
-  for (const log::Record& r : records) all += r.x.size();
-  const std::size_t stride = 1 + all / kMostRows;
-  Rows rows;
-  for (std::size_t n = 0; n < records.size(); ++n) {
-    if (records[n].force_unit != "N" || records[n].position_unit != "m")
-      throw Refused(
-          fmt::format("{}: got a force in {} and a position in {}, expected N and m (--gain, --lead)",
-                      records[n].source, records[n].force_unit, records[n].position_unit));
-    log::MotionOptions options;
-    options.shift = shift;
-    const log::Motion motion = log::reconstruct(records[n], options);
-    const double exclude = std::max(kAfterReversal * motion.stroke, 10.0 * motion.position_noise);
-    for (std::size_t k = 0; k < motion.rows(); k += stride) {
-      if (!motion.sliding(k, exclude) || motion.v[k] == 0.0) continue;
-      if (!records[n].skip.empty() && records[n].skip[k] != 0) continue;
-      rows.x.push_back(motion.x[k]);
-      rows.v.push_back(motion.v[k]);
-      rows.a.push_back(motion.a[k]);
-      rows.f.push_back(motion.f[k]);
-      rows.record.push_back(static_cast<int>(n));
-      rows.at.push_back(k);
-      rows.duration += static_cast<double>(stride) * motion.sample_time;
-    }
-  }
-  if (rows.size() < 10 * kFewRows)
-    throw Refused(fmt::format("{}: only {} rows of sliding, expected {} (record the whole motion)",
-                              records.empty() ? std::string("no log") : records.front().source, rows.size(),
-                              10 * kFewRows));
-  return rows;
-}
-
-/// Speeds at which a jog dwells, ascending; empty: the speed changes all the time.
-std::vector<double> constant_speeds(const std::vector<double>& speed) {
-  constexpr double kWidth = 0.04;  // of the logarithm
-  constexpr double kShare = 0.03, kMost = 0.6;
-  const double top = *std::max_element(speed.begin(), speed.end());
-  std::vector<std::size_t> bins(250, 0);
-  for (const double v : speed) {
-    const auto bin = static_cast<std::size_t>(std::log(top / v) / kWidth);
-    if (bin < bins.size()) ++bins[bin];
-  }
-  std::vector<double> found;
-  double held = 0.0;
-  const auto all = static_cast<double>(speed.size());
-  for (std::size_t b = 0; b < bins.size(); ++b) {
-    const std::size_t before = b > 0 ? bins[b - 1] : 0, after = b + 1 < bins.size() ? bins[b + 1] : 0;
-    const auto near = static_cast<double>(before + bins[b] + after);
-    if (bins[b] < before || bins[b] <= after || near < kShare * all) continue;
-    std::vector<double> inside;
-    for (const double v : speed) {
-      if (std::abs(std::log(top / v) / kWidth - static_cast<double>(b) - 0.5) <= 1.5) inside.push_back(v);
-    }
-    found.insert(found.begin(), stats::median(inside));
-    held += near / all;
-  }
-  return found.size() >= 2 && held >= kMost ? found : std::vector<double>{};
-}
-
-/// A length or speed with the digits that matter to a reader of the file.
-double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
-
-/// Index of the speed below, and the share of the one above.
-std::pair<std::size_t, double> between(const std::vector<double>& speeds, double v) {
-  const auto above = std::upper_bound(speeds.begin(), speeds.end(), v);
-  if (above == speeds.begin()) return {0, 0.0};
-  if (above == speeds.end()) return {speeds.size() - 1, 0.0};
-  const auto i = static_cast<std::size_t>(above - speeds.begin()) - 1;
-  return {i, (v - speeds[i]) / (speeds[i + 1] - speeds[i])};
-}
-
-bool within(const std::vector<double>& speeds, double v) {
-  return v >= speeds.front() / kOutside && v <= speeds.back() * kOutside;
-}
-
-/// Number of rows nearest to each speed, towards −x and +x.
-std::vector<std::array<std::size_t, 2>> counts_of(const Rows& rows, const std::vector<double>& speeds,
-                                                  double from = -kInfinity, double to = kInfinity) {
-  std::vector<std::array<std::size_t, 2>> counts(speeds.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double v = std::abs(rows.v[k]);
-    if (!within(speeds, v) || rows.x[k] < from || rows.x[k] > to) continue;
-    const auto [i, share] = between(speeds, v);
-    ++counts[i + (share > 0.5 ? 1 : 0)][rows.v[k] > 0.0];
-  }
-  return counts;
-}
-
-/// Quarters of the travel, where each quarter has rows in both directions at half of the speeds, at least at two.
-std::vector<double> borders_of(const Rows& rows, const std::vector<double>& speeds) {
-  const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
-  std::vector<double> borders;
-  for (std::size_t j = 0; j <= kPlaces; ++j)
-    borders.push_back(rounded(*low + (*high - *low) * static_cast<double>(j) / kPlaces, 1e6));
-  for (std::size_t j = 0; j < kPlaces; ++j) {
-    const auto counts = counts_of(rows, speeds, borders[j], borders[j + 1]);
-    const auto both = std::count_if(counts.begin(), counts.end(),
-                                    [](const auto& c) { return c[0] >= kFewRows && c[1] >= kFewRows; });
-    if (2 * both < static_cast<std::ptrdiff_t>(speeds.size()) || both < 2) return {};
-  }
-  return borders;
-}
+constexpr std::size_t kOwnSpeeds = 12;  // of rows between the speeds, each direction
+constexpr double kAtSpeed = 0.05;       // share
 
 /// Where the columns of each group begin.
 struct Columns {
   std::size_t speeds = 0, places = 0, periods = 0, own = 0;
-  bool spring = false;
+  bool spring = false, unbalance = false;
 
   [[nodiscard]] Eigen::Index force(std::size_t k, bool forward) const {
     return static_cast<Eigen::Index>(forward ? k : speeds + k);
@@ -151,8 +32,10 @@ struct Columns {
   [[nodiscard]] Eigen::Index mass() const { return static_cast<Eigen::Index>(2 * speeds); }
   /// Of `spring` alone.
   [[nodiscard]] Eigen::Index stiffness() const { return mass() + 1; }
+  /// Sine of the angle, and behind it the cosine; of `unbalance` alone.
+  [[nodiscard]] Eigen::Index weight() const { return mass() + (spring ? 2 : 1); }
   [[nodiscard]] Eigen::Index place(std::size_t j) const {
-    return mass() + (spring ? 2 : 1) + static_cast<Eigen::Index>(j);
+    return weight() + (unbalance ? 2 : 0) + static_cast<Eigen::Index>(j);
   }
   [[nodiscard]] Eigen::Index wave(std::size_t p) const {
     return place(places) + 2 * static_cast<Eigen::Index>(p);
@@ -188,8 +71,9 @@ Kept kept_of(const Eigen::MatrixXd& X, Eigen::Index from) {
 class Fit {
  public:
   Fit(const Rows& rows, const Plan& plan, const std::string& source)
-      : columns_{plan.speeds.size(), plan.borders.empty() ? 0 : plan.borders.size() - 2, plan.periods.size(),
-                 plan.dwells ? kOwnSpeeds : 0, plan.spring} {
+      : columns_{plan.speeds.size(),  plan.borders.empty() ? 0 : plan.borders.size() - 2,
+                 plan.periods.size(), plan.dwells ? kOwnSpeeds : 0,
+                 plan.spring,         plan.unbalance} {
     std::vector<std::size_t> used;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (plan.dwells || within(plan.speeds, std::abs(rows.v[k]))) used.push_back(k);
@@ -236,6 +120,8 @@ class Fit {
     fill_friction(plan, std::abs(rows.v[k]), forward, i, X);
     X(i, columns_.mass()) = rows.a[k];
     if (plan.spring) X(i, columns_.stiffness()) = rows.x[k] - plan.middle;
+    if (plan.unbalance)
+      X(i, columns_.weight()) = std::sin(rows.x[k]), X(i, columns_.weight() + 1) = std::cos(rows.x[k]);
     if (columns_.places > 0) {
       // The last place is what the others leave, so that the sum over all is zero.
       std::size_t j = 0;
@@ -329,26 +215,32 @@ void add_places(const Plan& plan, const Fit& fit, Measured& out) {
   }
 }
 
-void add_waves(const Plan& plan, const Fit& fit, Measured& out) {
-  for (std::size_t p = 0; p < plan.periods.size(); ++p) {
-    const Eigen::Index k = fit.columns().wave(p);
-    const double s = fit.coefficient(k), c = fit.coefficient(k + 1);
-    const double amplitude = std::hypot(s, c);
-    Eigen::VectorXd g = fit.none();
-    g(k) = amplitude > 0.0 ? s / amplitude : 1.0;
-    g(k + 1) = amplitude > 0.0 ? c / amplitude : 0.0;
-    out.periodic.push_back({plan.periods[p], {amplitude, fit.half_width(g)}});
-  }
+/// Amplitude of a sine and the cosine in the column behind it.
+Force amplitude_of(const Fit& fit, Eigen::Index sine) {
+  const double s = fit.coefficient(sine), c = fit.coefficient(sine + 1);
+  const double amplitude = std::hypot(s, c);
+  Eigen::VectorXd g = fit.none();
+  g(sine) = amplitude > 0.0 ? s / amplitude : 1.0;
+  g(sine + 1) = amplitude > 0.0 ? c / amplitude : 0.0;
+  return {amplitude, fit.half_width(g)};
 }
 
-/// Whether a force grows with position, by more than is left open and more than the scatter of friction from day to day.
-bool has_spring(const Rows& rows, Plan plan, const std::string& source) {
+void add_waves(const Plan& plan, const Fit& fit, Measured& out) {
+  for (std::size_t p = 0; p < plan.periods.size(); ++p)
+    out.periodic.push_back({plan.periods[p], amplitude_of(fit, fit.columns().wave(p))});
+}
+
+/// A force of the position that stands out: by more than is left open, and more than the scatter of friction from day to day.
+struct ForceOfPlace {
+  bool there = false;
+  double residual = kInfinity;  ///< RMS beside it [N]
+};
+
+/// `plan`: with a spring or with an unbalance.
+ForceOfPlace force_of_place(const Rows& rows, const Plan& plan, const std::string& source) {
   constexpr double kSure = 3.0, kWorth = 0.05;  // half widths; of the friction
-  plan.spring = true;
   try {
     const Fit fit(rows, plan, source);
-    Eigen::VectorXd g = fit.none();
-    g(fit.columns().stiffness()) = 1.0;
     double level = 0.0;
     for (std::size_t k = 0; k < plan.speeds.size(); ++k) {
       level +=
@@ -356,12 +248,40 @@ bool has_spring(const Rows& rows, Plan plan, const std::string& source) {
           (fit.coefficient(fit.columns().force(k, true)) - fit.coefficient(fit.columns().force(k, false))) /
           static_cast<double>(plan.speeds.size());
     }
-    const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
-    const double most = std::abs(fit.value(g)) * 0.5 * (*high - *low);
-    return std::abs(fit.value(g)) > kSure * fit.half_width(g) && most > kWorth * std::abs(level);
+    Force most;
+    if (plan.unbalance) {
+      most = amplitude_of(fit, fit.columns().weight());
+    } else {
+      const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
+      Eigen::VectorXd g = fit.none();
+      g(fit.columns().stiffness()) = 0.5 * (*high - *low);
+      most = fit.force(g);
+    }
+    const double size = std::abs(most.value);
+    return {size > kSure * most.half_width && size > kWorth * std::abs(level), fit.residual()};
   } catch (const Refused&) {
-    return false;  // the motion does not tell it from the mass
+    return {};  // the motion does not tell it from the mass
   }
+}
+
+/// A spring, or the weight of an axis that turns, whichever leaves less.
+void choose_force_of_place(const Rows& rows, bool turns, const std::string& source, Plan& plan) {
+  constexpr double kLeastTurn = 0.7;  // [rad] of travel, to tell sine and cosine from a straight line
+  Plan spring = plan;
+  spring.spring = true;
+  const ForceOfPlace of_spring = force_of_place(rows, spring, source);
+  const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
+  if (turns && *high - *low >= kLeastTurn) {
+    Plan weight = plan;
+    weight.unbalance = true;
+    std::erase_if(weight.periods, [](double period) { return std::abs(period / (2.0 * kPi) - 1.0) < 1e-3; });
+    const ForceOfPlace of_weight = force_of_place(rows, weight, source);
+    if (of_weight.there && !(of_spring.there && of_spring.residual <= of_weight.residual)) {
+      plan = std::move(weight);
+      return;
+    }
+  }
+  plan.spring = of_spring.there;
 }
 
 }  // namespace
@@ -393,7 +313,7 @@ Plan plan_of(const std::vector<log::Record>& records, double period) {
   constexpr double kPeriods = 1.9;
   if (period > 0.0 && *high - *low >= kPeriods * period) plan.periods = {period, 0.5 * period};
   plan.middle = 0.5 * (*low + *high);
-  plan.spring = has_spring(rows, plan, records.front().source);
+  choose_force_of_place(rows, records.front().turns(), records.front().source, plan);
   return plan;
 }
 
@@ -405,6 +325,7 @@ Plan plan_of(const Measured& earlier) {
   if (!earlier.places.empty()) plan.borders.push_back(earlier.places.back().to);
   for (const Periodic& p : earlier.periodic) plan.periods.push_back(p.period);
   plan.spring = earlier.spring.has_value();
+  plan.unbalance = earlier.unbalance.has_value();
   plan.middle = 0.5 * (earlier.motion.travel[0] + earlier.motion.travel[1]);
   return plan;
 }
@@ -442,6 +363,7 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
     g(fit.columns().stiffness()) = 1.0;
     out.spring = Stiffness{fit.value(g), fit.half_width(g)};
   }
+  if (plan.unbalance) out.unbalance = amplitude_of(fit, fit.columns().weight());
   add_places(plan, fit, out);
   add_waves(plan, fit, out);
   out.residual = fit.residual();

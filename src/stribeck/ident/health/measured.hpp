@@ -8,6 +8,7 @@
 ///          count for it, and all others for twelve speeds of their own, so that the shape of the curve between does not matter.
 ///          Other motions: between two speeds on a straight line (h_k)
 ///   k      a spring, a cable chain or a balance, where the first test shows one; x₀ is the middle of its travel
+///   M·sin(x − x₀)   the weight of an axis that turns (friction/unbalance.hpp), in place of k, where the first test shows it
 ///   P_j    how much more friction a quarter of the travel has than the mean of all four; sum 0
 ///   a, v   log::reconstruct; rows within 1/400 of the stroke after a reversal are left out
 ///
@@ -138,6 +139,7 @@ struct Measured {
   std::optional<Viscous> viscous;
   std::optional<Mass> mass;
   std::optional<Stiffness> spring;  ///< absent: the first test showed none
+  std::optional<Force> unbalance;   ///< largest torque of the weight; absent: the first test showed none
   std::vector<AtPlace> places;      ///< none: the motion does not determine them
   std::vector<Periodic> periodic;
   double residual = 0.0;  ///< RMS [N]
@@ -157,6 +159,7 @@ struct Measured {
             "spring", &M::spring,
             "force that grows with position, from the middle of the travel on: a spring, a cable chain or a balance")
             .or_default(),
+        field("unbalance", &M::unbalance, "largest torque of the weight of an axis that turns").or_default(),
         field("places", &M::places, "friction along the travel").or_default(),
         field("periodic", &M::periodic, "forces periodic in position").or_default(),
         field("residual", &M::residual, quantity("N", "N").not_negative(), "RMS that remains")};
@@ -170,6 +173,7 @@ struct Plan {
   std::vector<double> borders;  ///< of the places; empty: none
   std::vector<double> periods;  ///< [m]
   bool spring = false;          ///< a force that grows with position is fitted too
+  bool unbalance = false;       ///< the weight of an axis that turns is
   double middle = 0.0;          ///< of the travel [m]
 };
 

@@ -173,5 +173,95 @@ TEST(HealthMeasured, NamesWhatMakesAMotionAnotherOne) {
   EXPECT_EQ(motion_differs(other, reference), std::vector<std::string>{"got 20 s of sliding, expected 60 s"});
 }
 
+/// An arm on a lying axis, from -110 to 110 deg at four speeds, then a sine: 92 N m while it is level, friction of 30 N m and 6 N m s/rad.
+std::vector<log::Record> arm_logs(double weight, double hangs_at, std::uint32_t seed) {
+  constexpr double kPeriod = 2e-3, kEnd = 1.92, kMass = 6.1;
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  log::Record r;
+  r.source = "arm.csv";
+  r.sample_time = kPeriod;
+  r.loop = log::Loop::kClosed;
+  r.rotary = true;
+  const auto add = [&](double x, double v, double a) {
+    r.t.push_back(kPeriod * static_cast<double>(r.t.size()));
+    r.x.push_back(x);
+    r.r.push_back(x);
+    const double sign = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+    r.f.push_back(kMass * a + 30.0 * sign + 6.0 * v + weight * std::sin(x + 0.5 * kPeriod * v - hangs_at) +
+                  normal(generator));
+  };
+  for (const double v : {0.2, 0.5, 1.0, 2.0}) {
+    for (const double direction : {1.0, -1.0}) {
+      for (double t = 0.0; t < 2.0 * kEnd / v; t += kPeriod)
+        add(direction * (v * t - kEnd), direction * v, 0.0);
+    }
+  }
+  const double omega = 2.0 / kEnd;
+  for (double t = 0.0; t < 4.0 * std::numbers::pi / omega; t += kPeriod) {
+    const double at = t + 0.5 * kPeriod;
+    add(-kEnd * std::cos(omega * t), kEnd * omega * std::sin(omega * at),
+        kEnd * omega * omega * std::cos(omega * at));
+  }
+  return {r};
+}
+
+TEST(HealthMeasured, AnArmHasAnUnbalanceAndNoSpring) {
+  const auto logs = arm_logs(92.0, 0.07, 1);
+  const Plan plan = plan_of(logs, 0.0);
+  EXPECT_TRUE(plan.unbalance);
+  EXPECT_FALSE(plan.spring);
+  const Measured m = measure(logs, plan);
+  ASSERT_TRUE(m.unbalance);
+  EXPECT_NEAR(m.unbalance->value, 92.0, 0.5);
+  EXPECT_NEAR(m.offset.value, 0.0, 0.5);
+  ASSERT_TRUE(m.coulomb);
+  EXPECT_NEAR(m.coulomb->value, 30.0, 0.5);
+  EXPECT_NEAR(m.viscous->value, 6.0, 0.3);
+  EXPECT_NEAR(m.mass->value, 6.1, 0.1);
+  // A later test looks for the same, and sees that the arm carries more.
+  const Measured later = measure(arm_logs(110.0, 0.07, 2), plan_of(m));
+  ASSERT_TRUE(later.unbalance);
+  EXPECT_NEAR(later.unbalance->value, 110.0, 0.5);
+  EXPECT_NEAR(later.coulomb->value, 30.0, 0.5);
+}
+
+TEST(HealthMeasured, ABalancedTableHasNoUnbalance) {
+  const Plan plan = plan_of(arm_logs(0.0, 0.0, 3), 0.0);
+  EXPECT_FALSE(plan.unbalance);
+  EXPECT_FALSE(plan.spring);
+}
+
+/// Correlated noise over so many seconds; the friction's interval.
+double half_width_of(double seconds, unsigned seed) {
+  constexpr double kPeriod = 1e-3, kRho = 0.98;
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  log::Record r;
+  r.source = "test.csv";
+  r.sample_time = kPeriod;
+  r.loop = log::Loop::kClosed;
+  double noise = 0.0;
+  for (double t = 0.0; t < seconds; t += kPeriod) {
+    const double at = t + 0.5 * kPeriod, v = 0.1 * std::cos(2.0 * at) + 0.102 * std::cos(5.1 * at);
+    const double a = -0.2 * std::sin(2.0 * at) - 0.5202 * std::sin(5.1 * at);
+    noise = kRho * noise + std::sqrt(1.0 - kRho * kRho) * normal(generator);
+    r.t.push_back(t);
+    r.x.push_back(0.05 * std::sin(2.0 * t) + 0.02 * std::sin(5.1 * t));
+    r.r.push_back(r.x.back());
+    r.f.push_back(50.0 * a + (v > 0.0 ? 30.0 : -30.0) + 100.0 * v + noise);
+  }
+  return measure({r}, plan_of({r}, 0.0)).forward.half_width;
+}
+
+// More than 30 000 rows are thinned: neighbours are then two rows apart, and still correlated.
+TEST(HealthMeasured, ThinnedRowsKeepTheirCorrelation) {
+  double ratio = 0.0;
+  constexpr unsigned kSeeds = 10;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed)
+    ratio += half_width_of(32.0, seed) / half_width_of(29.0, seed) / kSeeds;
+  EXPECT_NEAR(ratio, 1.0, 0.15);
+}
+
 }  // namespace
 }  // namespace stribeck::ident::health::measured_test

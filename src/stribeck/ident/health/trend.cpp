@@ -18,15 +18,22 @@ constexpr double kLevelPrior = 0.5;     // of the scale
 constexpr double kSlopePrior = 0.002;   // of the scale, per day
 constexpr double kScatterPrior = 0.01;  // of the scale
 constexpr double kScatterWorth = 4.0;   // measurements
-constexpr double kNormal = 1.4826;      // median magnitude of a normal distribution to its standard deviation
+constexpr double kWild = 3.5;           // scatters from the neighbours, from which a value is an outlier
+constexpr std::size_t kNeighbours = 5;
+constexpr double kNormal =
+    1.4826;  // half the width of the middle half of a normal distribution to its standard deviation
 
-/// Median of |y_{i+lag} − y_i − median|, as a standard deviation of one value.
+/// Standard deviation of one value, from half the width of the shortest interval that holds half of the differences y_{i+lag} − y_i. It does
+/// not notice a step, across which `lag` of them stand, as long as these are no more than half; 0 where they may be more.
 double scatter_at(const std::vector<double>& y, std::size_t lag) {
   std::vector<double> d;
   for (std::size_t i = lag; i < y.size(); ++i) d.push_back(y[i] - y[i - lag]);
-  const double middle = stats::median(d);
-  for (double& v : d) v = std::abs(v - middle);
-  return kNormal * stats::median(d) / std::numbers::sqrt2;
+  const std::size_t half = (d.size() + 1) / 2;
+  if (half + lag > d.size()) return 0.0;
+  std::sort(d.begin(), d.end());
+  double shortest = kInfinity;
+  for (std::size_t i = 0; i + half <= d.size(); ++i) shortest = std::min(shortest, d[i + half - 1] - d[i]);
+  return kNormal * 0.5 * shortest / std::numbers::sqrt2;
 }
 
 double scatter_of(const std::vector<double>& y, const std::vector<Reading>& readings, double scale) {
@@ -51,9 +58,7 @@ double scatter_of(const std::vector<double>& y, const std::vector<Reading>& read
 /// Moves single wild values to where their neighbours allow.
 std::vector<double> without_outliers(const std::vector<double>& y, double scatter) {
   std::vector<double> out = y;
-  constexpr double kWild = 3.5;
   const std::size_t n = y.size();
-  constexpr std::size_t kNeighbours = 5;
   const std::size_t window = std::min(n, kNeighbours);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t from = std::min(i < 2 ? 0 : i - 2, n - window);
@@ -271,6 +276,31 @@ void mark_restoring(std::vector<Step>& steps, double limit) {
   }
 }
 
+/// The last readings that differ from those before and are too few for a piece of their own.
+std::optional<Pending> pending_of(const Trend& trend, const std::vector<Reading>& readings,
+                                  const TrendOptions& options) {
+  const std::vector<double>& y = trend.values;
+  const double limit = std::max(options.step_limit * options.scale, kWild * trend.scatter);
+  std::size_t begin = 0;  // of what the axis is since its last step
+  while (!trend.steps.empty() && readings[begin].day < trend.steps.back().day) ++begin;
+  for (std::size_t tests = kShortest - 1; tests > 0; --tests) {
+    if (y.size() < begin + kShortest + tests) continue;
+    const std::size_t end = y.size() - tests;
+    const std::size_t from = std::max(begin, end - std::min(end, kNeighbours));
+    const double before = stats::median(
+        {y.begin() + static_cast<std::ptrdiff_t>(from), y.begin() + static_cast<std::ptrdiff_t>(end)});
+    double sum = 0.0, nearest = kInfinity;
+    for (std::size_t i = end; i < y.size(); ++i) {
+      sum += y[i] - before;
+      nearest = std::min(nearest, std::abs(y[i] - before));
+    }
+    const double mean = sum / static_cast<double>(tests);
+    // Readings on both sides cancel each other in the mean.
+    if (nearest > limit && std::abs(mean) >= nearest) return Pending{tests, mean};
+  }
+  return {};
+}
+
 }  // namespace
 
 Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options) {
@@ -322,6 +352,7 @@ Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options
   out.stepped = std::any_of(out.steps.begin(), out.steps.end(), [](const Step& s) { return s.matters(); });
   out.drifted =
       std::abs(out.now - out.reference) - out.drift_half_width > options.drift_limit * options.scale;
+  out.pending = pending_of(out, readings, options);
   return out;
 }
 

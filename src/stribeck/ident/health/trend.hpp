@@ -12,6 +12,8 @@
 ///             measurement itself
 ///   outliers  a value beyond 3.5 times the scatter from the median of its five neighbours is moved there: a change needs three
 ///             measurements before it is believed
+///   pending   the last one or two measurements, all beyond the step limit and 3.5 times the scatter from the median of the five before:
+///             too few for a step, and worth another test
 ///   warmth    where every test has a temperature, at least 20 tests over 3 K: the slope by temperature from differences between tests
 ///             two days to a month apart, in which those across a step count little, is taken off
 ///
@@ -22,6 +24,8 @@
 /// Not modelled: scatter that changes; outliers in groups of three and more.
 /// Real time: no. Errors: none; fewer than three readings have no trend.
 
+#include <cstddef>
+#include <optional>
 #include <stribeck/core/numbers.hpp>
 #include <vector>
 
@@ -61,6 +65,12 @@ struct Step {
   [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone && !restores; }
 };
 
+/// The newest measurements differ, and are too few to be a step.
+struct Pending {
+  std::size_t tests = 0;
+  double change = 0.0;  ///< of their mean, from the median of those before, in the unit of the values
+};
+
 struct FittedPoint {
   double day = 0.0;
   double value = 0.0;
@@ -80,6 +90,7 @@ struct Trend {
   double per_degree = kNaN;        ///< effect of temperature that was taken off; NaN: none
   bool stepped = false;            ///< a step beyond its limit that was not undone and restores nothing
   bool drifted = false;            ///< now is beyond the drift limit with 95 % confidence
+  std::optional<Pending> pending{};
 
   [[nodiscard]] bool changed() const noexcept { return stepped || drifted; }
   [[nodiscard]] bool known() const noexcept { return !curve.empty(); }

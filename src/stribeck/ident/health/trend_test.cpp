@@ -54,6 +54,42 @@ TEST(HealthTrend, AnExactStepIsFoundOnItsDayWithItsSize) {
   EXPECT_NEAR(trend.now, 0.8, 1e-3);
 }
 
+// Half of the differences between tests three apart stand across a step when there are nine of them. The step was taken for scatter: it was
+// found with eight tests and gone with the ninth.
+TEST(HealthTrend, AStepStaysFoundWhileTestsAreAdded) {
+  for (const double size : {0.2, 0.5, 1.0, -0.3}) {
+    for (int before = 3; before <= 9; ++before) {
+      for (int after = 3; after <= 9; ++after) {
+        Series s;
+        s.days = before + after;
+        s.step_day = before;
+        s.step = size;
+        int found = 0;
+        for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+          const Trend t = trend_of(s.readings(seed), TrendOptions{});
+          if (t.steps.size() == 1 && t.steps[0].day == before && std::abs(t.steps[0].change - size) < 0.06)
+            ++found;
+        }
+        EXPECT_GE(found, 17) << size << ": " << before << " and " << after;
+      }
+    }
+  }
+}
+
+// Few tests of an axis that has not changed.
+TEST(HealthTrend, FewTestsRaiseNoAlarm) {
+  int alarms = 0, trends = 0;
+  for (int days = 6; days <= 24; ++days) {
+    for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+      Series s;
+      s.days = days;
+      alarms += trend_of(s.readings(seed), TrendOptions{}).steps.empty() ? 0 : 1;
+      ++trends;
+    }
+  }
+  EXPECT_LE(alarms, trends / 200);
+}
+
 TEST(HealthTrend, ASeasonIsDriftAndNoStep) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     Series series;
@@ -188,6 +224,33 @@ TEST(HealthTrend, FewerThanThreeReadingsHaveNoTrend) {
   EXPECT_FALSE(trend_of({}, {}).known());
   EXPECT_FALSE(trend_of({{0.0, 1.0, 0.1, kNaN}, {1.0, 2.0, 0.1, kNaN}}, {}).changed());
   EXPECT_TRUE(trend_of({{0.0, 1.0, 0.1, kNaN}, {1.0, 1.0, 0.1, kNaN}, {2.0, 1.0, 0.1, kNaN}}, {}).known());
+}
+
+// A step needs three tests: until then it is told as what it is.
+TEST(HealthTrend, TheNewestTestsThatDifferArePending) {
+  std::vector<Reading> readings;
+  for (const double value : {30.4, 30.9, 30.2, 39.6})
+    readings.push_back({static_cast<double>(readings.size()), value, 0.3, kNaN});
+  Trend trend = trend_of(readings, {.scale = 30.4});
+  EXPECT_FALSE(trend.changed());
+  ASSERT_TRUE(trend.pending);
+  EXPECT_EQ(trend.pending->tests, 1U);
+  EXPECT_NEAR(trend.pending->change, 9.2, 1e-9);
+  readings.push_back({4.0, 39.9, 0.3, kNaN});
+  trend = trend_of(readings, {.scale = 30.4});
+  ASSERT_TRUE(trend.pending);
+  EXPECT_EQ(trend.pending->tests, 2U);
+  readings.push_back({5.0, 39.4, 0.3, kNaN});
+  trend = trend_of(readings, {.scale = 30.4});
+  EXPECT_TRUE(trend.stepped);
+  EXPECT_FALSE(trend.pending);
+}
+
+TEST(HealthTrend, OneWildTestInThePastIsNotPending) {
+  std::vector<Reading> readings;
+  for (const double value : {30.4, 30.9, 30.2, 39.6, 30.5})
+    readings.push_back({static_cast<double>(readings.size()), value, 0.3, kNaN});
+  EXPECT_FALSE(trend_of(readings, {.scale = 30.4}).pending);
 }
 
 }  // namespace

@@ -228,6 +228,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   Motion m;
   m.sample_time = T;
   m.loop = record.loop;
+  m.skip = record.skip;
   if (m.loop == Loop::kAutomatic) {
     m.loop = !record.r.empty() ? Loop::kClosed : programmed(record.f) ? Loop::kOpen : Loop::kAutomatic;
   }

@@ -55,6 +55,7 @@ struct Motion {
   std::vector<std::int8_t> direction;  ///< of the stretch between reversals: +1, −1
   std::vector<int> stretch;            ///< number of the stretch, from 0
   std::vector<std::size_t> reversals;  ///< rows
+  std::vector<std::uint8_t> skip;      ///< of the record: 1: the row is not fitted; may be empty
 
   [[nodiscard]] std::size_t rows() const noexcept { return v.size(); }
   /// Whether the window of row k lies inside the record.
@@ -62,10 +63,11 @@ struct Motion {
     const auto n = static_cast<std::size_t>(reach);
     return k >= n && k + n < rows();
   }
-  /// Whether the window of row k lies in one stretch, at least `exclude` [m] after its reversal.
+  /// Whether row k counts, and its window lies in one stretch, at least `exclude` [m] after its reversal.
   [[nodiscard]] bool sliding(std::size_t k, double exclude) const noexcept {
     const auto n = static_cast<std::size_t>(reach);
-    return valid(k) && stretch[k - n] == stretch[k + n] && distance[k - n] >= exclude;
+    return valid(k) && (skip.empty() || skip[k] == 0) && stretch[k - n] == stretch[k + n] &&
+           distance[k - n] >= exclude;
   }
 };
 

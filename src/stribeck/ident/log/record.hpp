@@ -48,6 +48,9 @@ struct Record {
   bool integrated = false;  ///< x is the integral of v: the log has no position
   double spring = 0.0;      ///< stiffness of a spring whose force was taken off f [N/m]
   std::optional<ForceFilter> filter{};  ///< that was taken off f (drive/smoothing/before_filter.hpp)
+
+  /// Whether the position is an angle in radians.
+  [[nodiscard]] bool turns() const noexcept { return rotary || position_unit == "rad"; }
 };
 
 /// All reasons why a record cannot be identified, one sentence each with place, value found and value expected; empty for a

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <stribeck/ident/map/periodic.hpp>
 #include <stribeck/ident/map/periodic_parts.hpp>
 #include <utility>
@@ -23,7 +24,7 @@ bool add_second(const Data& data, const FrequencyGrid& grid, const PeriodicOptio
   if (!second) return false;
   more.back().f = more.back().start;  // alone it was drawn towards the other
   more.push_back(*second);
-  if (!refine(data, options.turn > 0.0, kRough, more, left.e)) return false;
+  if (!refine(data, kRough, more, left.e)) return false;
   spectrum(data, grid, left);
   return stands(data, grid, left, more[more.size() - 2]) && stands(data, grid, left, more.back());
 }
@@ -44,7 +45,7 @@ std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, cons
     std::vector<Line> more = found;
     more.push_back(*line);
     const Residual before = left;
-    if (refine(data, options.turn > 0.0, kRough, more, left.e)) {
+    if (refine(data, kRough, more, left.e)) {
       spectrum(data, grid, left);
       const std::vector<Line> one = more;
       const double power = before.e.squaredNorm() - left.e.squaredNorm();
@@ -60,6 +61,23 @@ std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, cons
     rejected.push_back(line->start);
   }
   return found.empty() ? guess : found;
+}
+
+/// A line whose free period is beside the known one has this, unless clearly more is left then.
+void hold_known(const Data& data, const PeriodicOptions& options, std::vector<Line>& found, Residual& left) {
+  constexpr double kNear = 0.02;
+  constexpr double kAsGood = 1.05;  // of the squares
+  if (!(options.known > 0.0)) return;
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    if (found[j].exact || std::abs(found[j].f * options.known - 1.0) > kNear) continue;
+    std::vector<Line> held = found;
+    held[j].f = held[j].start = 1.0 / options.known;
+    held[j].exact = true;
+    VectorXd e;
+    if (!refine(data, kFine, held, e) || e.squaredNorm() > kAsGood * left.e.squaredNorm()) continue;
+    found = std::move(held);
+    left.e = std::move(e);
+  }
 }
 
 }  // namespace
@@ -83,7 +101,8 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
     report_none(data, result);
     return result;
   }
-  refine(data, options.turn > 0.0, kFine, found, left.e);
+  refine(data, kFine, found, left.e);
+  hold_known(data, options, found, left);
   spectrum(data, grid, left);
   report(data, grid, left, options, found, result);
   return result;

@@ -55,7 +55,8 @@ struct PeriodicOptions {
   double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the travel, or what keeps the search fast
   double longest = 0.0;   ///< [m]; 0: a third of the travel
   double turn = 0.0;  ///< period of one turn [m]; then only 1/n of it is searched, and kept exact; 0: unknown
-  int most = 4;       ///< largest number of terms
+  double known = 0.0;  ///< a period [m] that a line beside it has exactly: one turn of a rotary axis; 0: none
+  int most = 4;        ///< largest number of terms
   bool guess =
       false;  ///< where no term counts, the strongest line is returned: a start for a better residual
 };

@@ -42,13 +42,24 @@ void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool 
   for (Index j = 0; j < 2; ++j) project(data, out.col(j));
 }
 
-bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& lines, VectorXd& e) {
+void hold_exact(const std::vector<Line>& lines, MatrixXd& gram) {
+  for (std::size_t j = 0; j < lines.size(); ++j) {
+    if (!lines[j].exact) continue;
+    const auto k = static_cast<Index>(3 * j + 2);
+    gram.row(k).setZero();
+    gram.col(k).setZero();
+    gram(k, k) = 1.0;
+  }
+}
+
+bool refine(const Data& data, double tolerance, std::vector<Line>& lines, VectorXd& e) {
   const auto n = static_cast<Index>(data.groups.size());
   const auto count = static_cast<Index>(lines.size());
   e = data.e;
   if (lines.empty()) return true;
   constexpr int kIterations = 12;
   MatrixXd X(n, 3 * count), plain(n, 2 * count);
+  const bool exact = std::all_of(lines.begin(), lines.end(), [](const Line& line) { return line.exact; });
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
     // First the amplitudes at these periods, then one step of the periods.
     const auto linear = [&] {
@@ -70,11 +81,14 @@ bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& l
     if (iteration == kIterations || exact) break;
     for (Index j = 0; j < count; ++j)
       slope_of(data, lines[static_cast<std::size_t>(j)], plain.middleCols(2 * j, 2), X.col(3 * j + 2));
-    const VectorXd step = stats::solve_ldlt(stats::gram(X), X.transpose() * e);
+    MatrixXd gram = stats::gram(X);
+    hold_exact(lines, gram);
+    const VectorXd step = stats::solve_ldlt(gram, X.transpose() * e);
     if (!step.allFinite()) return false;
     double largest = 0.0;
     for (Index j = 0; j < count; ++j) {
       Line& line = lines[static_cast<std::size_t>(j)];
+      if (line.exact) continue;
       const double limit = 0.2 / data.length;
       const double d = std::clamp(step(3 * j + 2), -limit, limit);
       line.f += d;

@@ -49,6 +49,7 @@ struct Line {
   double a = 0.0;
   double b = 0.0;
   Form form = kSame;
+  bool exact = false;  ///< f is known
 };
 
 /// The rows as they are fitted.
@@ -118,8 +119,10 @@ bool stands(const Data& data, const FrequencyGrid& grid, const Residual& left, c
 double damping(const Group& group, double f);
 /// Weighted, projected columns sin, cos and, with amplitudes, ∂/∂f of a term.
 void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool slope);
-/// Fits all terms together, with their periods unless `exact`; false when one diverges. Writes the residual into `e`.
-bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& lines, VectorXd& e);
+/// Fits all terms together, with the periods that are not exact; false when one diverges. Writes the residual into `e`.
+bool refine(const Data& data, double tolerance, std::vector<Line>& lines, VectorXd& e);
+/// A known period has no column of its own: makes row and column of that unknown those of a unit matrix.
+void hold_exact(const std::vector<Line>& lines, MatrixXd& gram);
 
 // periodic_result.cpp
 /// The spectrum in at most 400 lines, each the largest of its neighbourhood.

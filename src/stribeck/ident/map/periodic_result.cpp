@@ -168,15 +168,7 @@ void report(const Data& data, const FrequencyGrid& grid, const Residual& left, c
   for (Index j = 0; j < count; ++j)
     columns(data, found[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), true);
   MatrixXd gram = stats::gram(X);
-  const bool exact = options.turn > 0.0;
-  if (exact) {
-    // The periods are given, so their columns are not free.
-    for (Index j = 0; j < count; ++j) {
-      gram.row(3 * j + 2).setZero();
-      gram.col(3 * j + 2).setZero();
-      gram(3 * j + 2, 3 * j + 2) = 1.0;
-    }
-  }
+  hold_exact(found, gram);
   const VectorXd scale = gram.diagonal().cwiseSqrt();
   const MatrixXd inverse = stats::inverse(scale.asDiagonal().inverse() * gram * scale.asDiagonal().inverse());
   for (Index j = 0; j < count; ++j) {
@@ -187,7 +179,7 @@ void report(const Data& data, const FrequencyGrid& grid, const Residual& left, c
         C(p, q) = inverse(3 * j + p, 3 * j + q) / (scale(3 * j + p) * scale(3 * j + q));
       }
     }
-    if (exact) C(2, 2) = 0.0;
+    if (line.exact) C(2, 2) = 0.0;
     result.terms.push_back(term_of(data, grid, left, line, C, X, j, result));
   }
   std::stable_sort(result.terms.begin(), result.terms.end(),

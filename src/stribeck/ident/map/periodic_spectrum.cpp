@@ -219,7 +219,7 @@ std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const
       if (p > best &&
           (any || trials * chance(p / left.background[form][j], left.lines[form][j]) < kFalseAlarm)) {
         best = p;
-        line = Line{f, f, 0.0, 0.0, static_cast<Form>(form)};
+        line = Line{f, f, 0.0, 0.0, static_cast<Form>(form), options.turn > 0.0};
       }
     }
   }

@@ -331,6 +331,28 @@ TEST(Periodic, AKnownTurnKeepsItsWholeParts) {
   EXPECT_DOUBLE_EQ(r.terms[0].term.period, 0.05 / 11.0);
 }
 
+TEST(Periodic, ALineBesideTheKnownPeriodHasItExactly) {
+  PeriodicRows rows = strokes({.noise = 0.2}, 4);
+  add(rows, 0.6, 0.02, 0.5);
+  add(rows, 0.4, 0.0031, 0.2);
+  // Friction that falls slowly along the travel changes a free period.
+  for (std::size_t i = 0; i < rows.x.size(); ++i) rows.e[i] *= 1.0 + 2.0 * rows.x[i];
+  PeriodicOptions options;
+  options.known = 0.02;
+  const PeriodicResult r = find_periodic(rows, options);
+  ASSERT_EQ(r.terms.size(), 2u);
+  EXPECT_EQ(r.terms[0].term.period, 0.02);
+  EXPECT_EQ(r.terms[0].period.high, 0.02);
+  EXPECT_TRUE(inside(r.terms[0].phase, 0.5));
+  EXPECT_TRUE(inside(r.terms[1].period, 0.0031));
+  EXPECT_GT(r.terms[1].period.high, r.terms[1].term.period);
+  options.known = 0.025;  // no line is near
+  const PeriodicResult other = find_periodic(rows, options);
+  ASSERT_EQ(other.terms.size(), 2u);
+  EXPECT_NE(other.terms[0].term.period, 0.02);
+  EXPECT_GT(other.terms[0].period.high, other.terms[0].term.period);
+}
+
 TEST(Periodic, RefusesWhatItCannotRead) {
   PeriodicRows rows = strokes({}, 1);
   rows.e[17] = std::numeric_limits<double>::quiet_NaN();

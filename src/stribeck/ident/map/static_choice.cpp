@@ -295,9 +295,9 @@ StaticFit fit_symmetric(const Both& b, std::optional<Exponent> exponent) {
   return fit;
 }
 
-/// The load that both directions have in common, where a branch would otherwise drive the motion: half the sum of their levels, which
-/// are their forces without the viscous part. Viscous friction that differs between the directions is no load.
-void take_out_load(StaticFit& fit) {
+/// The load that both directions have in common, where a branch would otherwise drive the motion or where a load is known to pull: half the sum of their levels
+/// (level_points()). Viscous friction that differs between the directions is no load, and a wide term that shares it with eta1 moves none.
+void take_out_load(StaticFit& fit, bool weighted) {
   std::array<double, kSides> lowest{}, mean{};
   constexpr int kPoints = 50;
   const double reach = std::min(fit.top[0], fit.top[1]);
@@ -307,10 +307,11 @@ void take_out_load(StaticFit& fit) {
       const double speed = reach * i / kPoints;
       const double level = fit.force(static_cast<int>(s), speed) - fit.branch[s].eta1 * speed / fit.top[s];
       lowest[s] = std::min(lowest[s], level);
-      mean[s] += level / (kPoints + 1);
     }
+    for (const LevelPoint& p : level_points(reach))
+      mean[s] += p.weight * fit.force(static_cast<int>(s), p.speed);
   }
-  if (std::min(lowest[0], lowest[1]) > kLeastLevel * 0.5 * std::abs(mean[0] + mean[1])) return;
+  if (!weighted && std::min(lowest[0], lowest[1]) > kLeastLevel * 0.5 * std::abs(mean[0] + mean[1])) return;
   // Both directions keep a share of what is left, where anything is.
   const double margin = kLeastLevel * 0.5 * std::max(0.0, lowest[0] + lowest[1]);
   const double from = margin - lowest[1], to = lowest[0] - margin;
@@ -384,7 +385,7 @@ ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const 
   }
   out.tested = std::max(1.0, out.tested);
   out.scored.name = out.fit.name();
-  take_out_load(out.fit);
+  take_out_load(out.fit, options.weighted);
   return out;
 }
 

@@ -12,6 +12,21 @@ using Family = StaticFit::Family;
 
 }  // namespace
 
+std::vector<LevelPoint> level_points(double reach) {
+  constexpr int kPoints = 40;
+  constexpr double kFrom = 0.2;
+  if (!(reach > 0.0)) return {{0.0, 1.0}};
+  std::vector<LevelPoint> points;
+  const double middle = 0.5 * (kFrom + 1.0) * reach;
+  double square = 0.0;
+  for (int i = 0; i <= kPoints; ++i) {
+    points.push_back({reach * (kFrom + (1.0 - kFrom) * i / kPoints), 0.0});
+    square += std::pow(points.back().speed - middle, 2.0);
+  }
+  for (LevelPoint& p : points) p.weight = 1.0 / (kPoints + 1) - middle * (p.speed - middle) / square;
+  return points;
+}
+
 double StaticFit::force(int side, double speed) const noexcept {
   const double d = kDirection[static_cast<std::size_t>(side)];
   if (family == Family::kByDirection) {

@@ -75,10 +75,19 @@ struct StaticFit {
   [[nodiscard]] std::string name() const;
 };
 
+/// Points of speed whose weighted forces are the force at rest of a straight line through them, from a fifth of `reach` on: the level of a
+/// direction, whatever parameters share its slope.
+struct LevelPoint {
+  double speed = 0.0;   ///< [m/s]
+  double weight = 0.0;  ///< sum 1
+};
+std::vector<LevelPoint> level_points(double reach);
+
 struct StaticOptions {
   std::optional<int> terms;  ///< Gaussians of each direction; absent: chosen
   int most_terms = 6;
   bool symmetric = true;  ///< try the symmetric families
+  bool weighted = false;  ///< a load is known to pull: it is taken out of the family by direction always
 };
 
 struct StaticChoice {

@@ -168,6 +168,29 @@ TEST(StaticFit, ALoadByDirectionIsTakenOutWhereABranchWouldDrive) {
   EXPECT_NEAR(c.fit.force(1, 0.05), bell(1, 0.05) - 70.0, 0.6);
 }
 
+// Where a load is known to pull, what differs by direction is that load, however small it is beside friction.
+TEST(StaticFit, AKnownLoadIsTakenOutThoughNoBranchDrives) {
+  StaticOptions options;
+  options.symmetric = false;
+  options.weighted = true;
+  const auto with = [](int side, double speed) { return bell(0, speed) + (side == 0 ? 10.0 : -10.0); };
+  const StaticChoice c = choose_static(sums_of(with, 1.0), options);
+  EXPECT_NEAR(c.fit.load, 10.0, 0.3);
+  EXPECT_NEAR(c.fit.force(0, 0.05), bell(0, 0.05) + 10.0, 0.6);
+  EXPECT_NEAR(c.fit.force(1, 0.05), bell(0, 0.05) - 10.0, 0.6);
+}
+
+// By hand: the force at rest of the line 7 + 3·v is 7; a bump below a fifth of the top speed does not count.
+TEST(StaticFit, TheLevelIsThatOfALineThroughTheFastForces) {
+  double level = 0.0, weights = 0.0;
+  for (const LevelPoint& p : level_points(0.5)) {
+    level += p.weight * (7.0 + 3.0 * p.speed + (p.speed < 0.09 ? 100.0 : 0.0));
+    weights += p.weight;
+  }
+  EXPECT_NEAR(level, 7.0, 1e-12);
+  EXPECT_NEAR(weights, 1.0, 1e-12);
+}
+
 // A hydrostatic table: next to no Coulomb friction, and viscous friction that differs between the directions, which is no load.
 TEST(StaticFit, ViscousFrictionThatDiffersByDirectionIsNoLoad) {
   StaticOptions options;

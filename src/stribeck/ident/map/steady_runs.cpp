@@ -106,12 +106,25 @@ std::vector<std::string> notes_of(const std::vector<std::string>& left_out) {
   return out;
 }
 
+bool skipped(const log::Record& rec, std::size_t k) { return !rec.skip.empty() && rec.skip[k] != 0; }
+
+/// Why a run does not count whose rows are mostly not fitted, as those of a clipped force; else empty.
+std::string mostly_skipped(const SteadyRun& run, const log::Record& rec) {
+  constexpr double kMost = 0.3;
+  std::size_t rows = 0;
+  for (std::size_t k = run.first; k <= run.last; ++k) rows += skipped(rec, k) ? 1 : 0;
+  if (static_cast<double>(rows) <= kMost * static_cast<double>(run.last - run.first + 1)) return {};
+  return fmt::format("{}: {} from {:.4g} s: {} of its {} rows are not fitted; left out", rec.source,
+                     Shown(rec).speed(run.speed), rec.t[run.first], rows, run.last - run.first + 1);
+}
+
 /// Mean force of a run without the periodic term, and its standard error; returns the long-run variance per time [N² s].
 double take_mean(SteadyRun& run, const log::Record& rec,
                  const std::optional<friction::Eccentric<double>>& periodic, double& variance) {
   std::vector<double> e;
   std::vector<std::size_t> at;
   for (std::size_t k = run.first; k <= run.last; ++k) {
+    if (skipped(rec, k)) continue;
     double f = rec.f[k];
     if (periodic) {
       friction::SteadyParts<double> p;
@@ -165,6 +178,7 @@ SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const Stead
   std::vector<std::string> left_out;
   for (ConstantSpeed& f : found) {
     std::string why = settle(f, whole[f.run.record], out.exclude, options);
+    if (why.empty()) why = mostly_skipped(f.run, whole[f.run.record]);
     if (!why.empty()) {
       left_out.push_back(std::move(why));
     } else if (f.run.speed != 0.0) {

@@ -168,5 +168,21 @@ TEST(SteadyRuns, ABadRecordIsRefused) {
   EXPECT_THAT([&] { find_steady_runs({rec}); }, ::testing::ThrowsMessage<Refused>(HasSubstr("row 17")));
 }
 
+// The fast runs were cut by the limit of the force: their rows are marked, and their means would be too low.
+TEST(SteadyRuns, ARunWhoseRowsAreNotFittedIsLeftOut) {
+  log::Record rec = moved(kJog, friction);
+  rec.skip.assign(rec.f.size(), 0);
+  for (std::size_t k = 0; k < rec.f.size(); ++k) {
+    const bool fast = k + 1 < rec.x.size() && std::abs(rec.x[k + 1] - rec.x[k]) > 4e-3 * kStep;
+    if (fast) rec.f[k] = std::copysign(44.0, rec.f[k]), rec.skip[k] = 1;
+    if (!fast && k % 40 == 0) rec.f[k] = 1e3, rec.skip[k] = 1;  // single ones
+  }
+  const SteadyRuns found = find_steady_runs({rec}, without_period());
+  ASSERT_EQ(found.runs.size(), kJog.size() - 2);
+  for (const SteadyRun& run : found.runs)
+    EXPECT_NEAR(run.force, friction(0.0, run.speed, 0.0), 5.0 * run.error) << run.speed;
+  EXPECT_THAT(found.notes, ::testing::Contains(HasSubstr("rows are not fitted; left out")));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::map::steady_runs_test

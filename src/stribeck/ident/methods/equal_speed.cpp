@@ -25,6 +25,12 @@ struct Row {
   double v, a, f, z, x;
 };
 
+/// Travel in which friction settles after a reversal.
+double after_reversal(const log::Record& record, double stroke) {
+  constexpr double kUsual = 50e-6, kShareOfTurn = 2e-3;
+  return record.turns() ? kShareOfTurn * stroke : kUsual;
+}
+
 /// Rows of sliding, with the bin of speed of each; bins for v < 0 follow those for v > 0.
 std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpeedOptions& options,
                          double& top) {
@@ -34,9 +40,10 @@ std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpe
     const auto wrong = log::problems(records[r]);
     if (!wrong.empty()) throw Refused(wrong.front());
     const log::Motion m = log::reconstruct(records[r]);
+    const double exclude = options.exclude.value_or(after_reversal(records[r], m.stroke));
     // In open loop the instrument is a force: it has another unit but gives the same estimate.
     for (std::size_t k = 0; k < m.rows(); ++k) {
-      if (!m.sliding(k, options.exclude)) continue;
+      if (!m.sliding(k, exclude)) continue;
       rows.push_back({static_cast<int>(r), k, 0, m.v[k], m.a[k], m.f[k], m.instrument[k], m.x[k]});
       top = std::max(top, std::abs(m.v[k]));
     }

@@ -18,6 +18,7 @@
 /// Real time: no.
 /// Errors: Refused, with the reason.
 
+#include <optional>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/result.hpp>
@@ -45,8 +46,9 @@ LoadEstimate load_of(const std::vector<map::SteadyRun>& runs);
 Result identify_gravity(const std::vector<log::Record>& records, const map::SteadyOptions& options = {});
 
 struct EqualSpeedOptions {
-  double exclude = 50e-6;  ///< left out after reversals [m]
-  int bins = 60;           ///< of speed, each direction
+  std::optional<double>
+      exclude{};  ///< left out after reversals [m]; absent: 50 um, of an angle a five hundredth of the stroke
+  int bins = 60;  ///< of speed, each direction
   /// Periods of forces periodic in position [m], which would otherwise be taken for inertia.
   std::vector<double> periods;
 };

@@ -146,5 +146,41 @@ TEST(MassAtEqualSpeed, MirrorAndUnitOfForce) {
   EXPECT_NEAR(mass_at_equal_speed({scaled}, options).value, 1e-3 * mass, 1e-12 * mass);
 }
 
+// Bristles that settle over 1 mrad: 50 um, which is usual of a linear axis, would be 50 urad.
+TEST(MassAtEqualSpeed, LeavesMoreOutOfAnAngle) {
+  const double T = 0.001, amplitude = 1.5, w = 2.0, bristle = 2e-4;
+  log::Record r;
+  r.source = "table";
+  r.sample_time = T;
+  r.rotary = true;
+  for (int k = 0; k < 20000; ++k) {
+    const double t = T * k, middle = t + 0.5 * T, v = amplitude * w * std::cos(w * middle);
+    const double since = amplitude * (1.0 - std::abs(std::sin(w * middle)));
+    const double settling = v * std::sin(w * middle) < 0.0 ? 1.0 - 2.0 * std::exp(-since / bristle) : 1.0;
+    r.t.push_back(t);
+    r.x.push_back(amplitude * std::sin(w * t));
+    r.r.push_back(r.x.back());
+    r.f.push_back(-2.0 * amplitude * w * w * std::sin(w * middle) + (v > 0.0 ? 10.0 : -10.0) * settling +
+                  0.5 * v);
+  }
+  EqualSpeedOptions usual;
+  usual.exclude = 50e-6;
+  const double by_usual = std::abs(mass_at_equal_speed({r}, usual).value - 2.0);
+  const double by_own = std::abs(mass_at_equal_speed({r}).value - 2.0);
+  EXPECT_LT(by_own, 0.004);
+  EXPECT_GT(by_usual, 2.0 * by_own);
+}
+
+// The force of a third of the log was frozen: its rows are marked.
+TEST(MassAtEqualSpeed, RowsThatAreNotFittedDoNotCount) {
+  log::Record r = sine(50.0, 0.0, 1.0);
+  r.skip.assign(r.f.size(), 0);
+  for (std::size_t k = 2000; k < 4000; ++k) {
+    if (k >= 2050 && k < 3950) r.f[k] = 5.0;
+    r.skip[k] = 1;
+  }
+  EXPECT_NEAR(mass_at_equal_speed({r}).value, 50.0, 0.5);
+}
+
 }  // namespace
 }  // namespace stribeck::ident::methods::equal_speed_test

@@ -47,12 +47,6 @@ void check(const log::Record& record, const IdimOptions& options) {
   if (n < options.drop + 40 * options.decimation) {
     throw Refused("idim-ls: " + std::to_string(n) + " rows are too few for decimation by " +
                   std::to_string(options.decimation));
-    if (!(options.cut_off * 2.0 * T < 1.0)) {
-      throw Refused(record.source + ": sampled at " + std::to_string(std::lround(1.0 / T)) +
-                    " Hz, but the published protocol filters at " +
-                    std::to_string(std::lround(options.cut_off)) +
-                    " Hz and needs more than twice that; use --method auto");
-    }
   }
 }
 
@@ -177,6 +171,8 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
 
   Result& r = out.result;
   r.method = Method::kIdimLs;
+  r.force_unit = record.force_unit;
+  r.position_unit = record.position_unit;
   r.rows = out.published.rows;
   r.mass = theta(0);
   const auto [low, high] =

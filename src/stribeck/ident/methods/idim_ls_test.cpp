@@ -141,5 +141,14 @@ TEST(IdimLs, RefusesACutOffBeyondHalfTheRate) {
               ThrowsMessage<Refused>(HasSubstr("half the sampling frequency of the log")));
 }
 
+// A log in amperes gave an axis file with its amperes as newtons.
+TEST(IdimLs, KeepsTheUnitsOfTheLog) {
+  log::Record rec = straight_drive(1.0, 1.0);
+  rec.force_unit = "A", rec.position_unit = "rad";
+  const Result r = identify_idim_ls(rec).result;
+  EXPECT_EQ(r.force_unit, "A");
+  EXPECT_EQ(r.position_unit, "rad");
+}
+
 }  // namespace
 }  // namespace stribeck::ident::methods::idim_ls_test

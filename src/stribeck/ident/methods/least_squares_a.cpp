@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::methods {
@@ -30,11 +31,25 @@ struct FitRows {
   Vector2d simple_right = Vector2d::Zero();
   double fastest[2] = {0.0, 0.0};  ///< forward, backward [m/s]
   double T = 0.0;                  ///< [s]
+  double dead_band = 0.0;          ///< [m/s]
 };
+
+/// Of a micro stage, whose speeds are below the usual dead band, a share of its top speed.
+double dead_band_of(const std::vector<log::Record>& records, const LeastSquaresAOptions& options) {
+  if (options.dead_band) return *options.dead_band;
+  constexpr double kUsual = 0.5e-3, kShare = 0.1;
+  double top = 0.0;
+  for (const log::Record& rec : records) {
+    for (std::size_t k = 1; k < rec.x.size(); ++k)
+      top = std::max(top, std::abs(rec.x[k] - rec.x[k - 1]) / rec.sample_time);
+  }
+  return std::min(kUsual, kShare * top);
+}
 
 FitRows gather_rows(const std::vector<log::Record>& records, const LeastSquaresAOptions& options) {
   FitRows out;
   const double T = out.T = records.front().sample_time;
+  const double dead_band = out.dead_band = dead_band_of(records, options);
   std::size_t count[2] = {0, 0};
   for (std::size_t r = 0; r < records.size(); ++r) {
     const log::Record& rec = records[r];
@@ -45,12 +60,13 @@ FitRows gather_rows(const std::vector<log::Record>& records, const LeastSquaresA
                     "; identify them apart");
     }
     for (std::size_t k = 1; k + 1 < rec.x.size(); ++k) {
+      if (!rec.skip.empty() && rec.skip[k] != 0) continue;
       const double w = (rec.x[k] - rec.x[k - 1]) / T;
       const double next = (rec.x[k + 1] - rec.x[k]) / T;
       const Vector2d phi(w, rec.f[k]);
       out.simple_normal += phi * phi.transpose();
       out.simple_right += phi * next;
-      if (std::abs(w) <= options.dead_band || std::abs(next) <= options.dead_band || w * next < 0.0) continue;
+      if (std::abs(w) <= dead_band || std::abs(next) <= dead_band || w * next < 0.0) continue;
       const int side = w > 0.0 ? 0 : 1;
       ++count[side];
       out.fastest[side] = std::max(out.fastest[side], std::abs(w));
@@ -136,6 +152,7 @@ Matrix4d derivatives(const LeastSquaresA& out, const Vector4d& theta, double T) 
 LeastSquaresA parameters_of(const FitRows& rows, const Vector4d& theta) {
   const double T = rows.T;
   LeastSquaresA out;
+  out.dead_band = rows.dead_band;
   for (int i = 0; i < 4; ++i) out.theta[static_cast<std::size_t>(i)] = theta(i);
   out.alpha2 = (1.0 - theta(0)) / theta(1);
   out.alpha0_positive = theta(2) / theta(1);
@@ -148,6 +165,19 @@ LeastSquaresA parameters_of(const FitRows& rows, const Vector4d& theta) {
   out.simple_mass = T / simple(1);
   out.simple_alpha2 = (1.0 - simple(0)) / simple(1);
   return out;
+}
+
+/// Pulses that bend the bristles alone look like a heavy axis that friction drives.
+void refuse_axis_that_springs_back(const stats::Uncertainty& uncertainty, const Matrix4d& d,
+                                   const LeastSquaresA& out, const Shown& shown) {
+  const double coulomb = 0.5 * (out.alpha0_positive - out.alpha0_negative);
+  const double half = uncertainty.half_width(0.5 * (d.row(2) - d.row(3)).transpose());
+  const bool no_mass = uncertainty.half_width(d.row(0).transpose()) > out.mass_exact;
+  if (coulomb + half < 0.0 || (coulomb < 0.0 && no_mass)) {
+    throw Refused(
+        "least squares A: the Coulomb force came out as " + shown.force(coulomb) +
+        ", expected above zero; the axis hardly slides and springs back: stronger pulses are needed");
+  }
 }
 
 void write_parameters(const FitRows& rows, const stats::Uncertainty& uncertainty, const Matrix4d& d,
@@ -186,8 +216,8 @@ void write_curve(const FitRows& rows, const LeastSquaresAOptions& options,
     const double direction = side == 0 ? 1.0 : -1.0;
     for (int i = 0; i < options.curve_points; ++i) {
       const int n = side == 0 ? i : options.curve_points - 1 - i;
-      const double v = direction * (options.dead_band + (rows.fastest[side] - options.dead_band) * n /
-                                                            (options.curve_points - 1));
+      const double v = direction * (rows.dead_band +
+                                    (rows.fastest[side] - rows.dead_band) * n / (options.curve_points - 1));
       Vector4d g(0.0, v, side == 0 ? 1.0 : 0.0, side == 1 ? 1.0 : 0.0);
       const double f = out.alpha2 * v + (side == 0 ? out.alpha0_positive : out.alpha0_negative);
       const double half = uncertainty.half_width(d.transpose() * g);
@@ -212,7 +242,10 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
   const stats::Uncertainty uncertainty = uncertainty_of(rows.rows, solution);
   LeastSquaresA out = parameters_of(rows, solution.theta);
   const Matrix4d d = derivatives(out, solution.theta, rows.T);
+  refuse_axis_that_springs_back(uncertainty, d, out, Shown(records.front()));
   write_parameters(rows, uncertainty, d, out);
+  out.result.force_unit = records.front().force_unit;
+  out.result.position_unit = records.front().position_unit;
   write_curve(rows, options, uncertainty, d, out);
   return out;
 }

@@ -33,9 +33,10 @@
 namespace stribeck::ident::methods {
 
 struct LeastSquaresAOptions {
-  double dead_band = 0.5e-3;             ///< v_d [m/s]
-  int curve_points = 24;                 ///< each direction
-  double viscous_from = 1e-3;            ///< jogs from this speed on give the slope [m/s]
+  std::optional<double> dead_band;  ///< v_d [m/s]; absent: 0.5 mm/s, at most a tenth of the top speed
+  int curve_points = 24;            ///< each direction
+  double viscous_from =
+      1e-3;  ///< jogs from this speed on give the slope, from a fifth of the fastest one where that is less [m/s]
   Solver solver = Solver::kDerivatives;  ///< of the Stribeck part
 };
 
@@ -71,6 +72,7 @@ struct LeastSquaresA {
   double alpha0_negative = 0.0;  ///< [N], signed
   double simple_mass = 0.0;      ///< of the simple fit: all rows, no Coulomb friction, force of sample k [kg]
   double simple_alpha2 = 0.0;    ///< [N·s/m]
+  double dead_band = 0.0;        ///< v_d as used: slower rows are not fitted [m/s]
   std::vector<ObservedFriction> jogs;         ///< in the order of the log
   std::optional<ViscousCorrection> observer;  ///< the one used in `result`, where jogs were given
   std::optional<ViscousCorrection> kalman;

@@ -130,9 +130,13 @@ std::optional<friction::Stribeck<double>> fit_rise(const std::vector<Level>& lev
 ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double ObservedFriction::*which,
                           const LeastSquaresAOptions& options) {
   // One slope for both directions, a level for each.
+  constexpr double kShare = 0.2;
+  double top = 0.0;
+  for (const ObservedFriction& j : jogs) top = std::max(top, std::abs(j.speed));
+  const double from = std::min(options.viscous_from, kShare * top);
   std::vector<const ObservedFriction*> fast;
   for (const ObservedFriction& j : jogs) {
-    if (std::abs(j.speed) >= (1.0 - 1e-3) * options.viscous_from) fast.push_back(&j);
+    if (std::abs(j.speed) >= (1.0 - 1e-3) * from) fast.push_back(&j);
   }
   const auto n = static_cast<Eigen::Index>(fast.size());
   Eigen::MatrixXd X = Eigen::MatrixXd::Zero(n, 3);

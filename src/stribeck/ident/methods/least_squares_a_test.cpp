@@ -8,6 +8,7 @@
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
 namespace stribeck::ident::methods::least_squares_a_test {
@@ -124,6 +125,34 @@ TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
     EXPECT_NEAR(a.observer->stribeck->alpha1, 1300.0, 60.0);
     EXPECT_NEAR(a.observer->stribeck->v0, 0.4e-3, 0.08e-3);
   }
+}
+
+TEST(LeastSquaresA, KeepsTheUnitsOfTheLog) {
+  log::Record rec = pulses(straight(20.0), 1);
+  rec.force_unit = "A", rec.position_unit = "rad";
+  const Result r = identify_least_squares_a({rec}).result;
+  EXPECT_EQ(r.force_unit, "A");
+  EXPECT_EQ(r.position_unit, "rad");
+}
+
+// Half the Coulomb force bends the bristles by 2 um: the fit sees a hundred times the mass, driven by friction.
+TEST(LeastSquaresA, RefusesPulsesThatOnlyBendTheBristles) {
+  const auto weak = [](std::size_t k, double, double) {
+    return k % 400 < 100 ? (k % 800 < 400 ? 600.0 : -600.0) : 0.0;
+  };
+  const log::Record r = test::run(straight(5.0), 16.0, 1, weak);
+  EXPECT_THAT([&] { static_cast<void>(identify_least_squares_a({r})); },
+              ThrowsMessage<Refused>(HasSubstr("hardly slides and springs back")));
+}
+
+// All lengths a fiftieth: the top speed of 0.2 mm/s is below the usual dead band.
+TEST(LeastSquaresA, ReadsAMicroStageAsItsLargerTwin) {
+  log::Record rec = pulses(straight(0.0), 1);
+  const LeastSquaresA large = identify_least_squares_a({rec});
+  for (double& x : rec.x) x /= 50.0;
+  const LeastSquaresA small = identify_least_squares_a({rec});
+  EXPECT_NEAR(small.mass_exact / large.mass_exact, 50.0, 0.5);
+  EXPECT_NEAR(small.alpha0_positive, large.alpha0_positive, 5.0);
 }
 
 }  // namespace

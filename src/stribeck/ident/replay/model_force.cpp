@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/log/filter.hpp>
@@ -28,11 +29,9 @@ constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1
 constexpr int kFarPasses = 12;
 constexpr double kFarStep = 10.0;     // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
-constexpr double kToldShift =
-    1e-4;  // share of the column of the shift that the errors of the model do not explain
-constexpr double kWorthGain = 0.98;  // of the error: what a shift must leave at most
-constexpr double kWholePart = 0.01;
-constexpr double kWorthPhase = 0.1 * kPi;
+constexpr double kToldShift = 1e-4;   // share of the column of the shift that model errors do not explain
+constexpr double kWorthGain = 0.98;   // of the error: what a shift must leave at most
+constexpr double kWholePart = 0.01, kWorthPhase = 0.1 * kPi;
 
 Column derivative(const Column& y, double T) {
   const std::size_t n = y.size();
@@ -79,14 +78,10 @@ class Scored {
     out_.acceleration = thin(motion_.a);
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
-    pick_moving_rows();
     filed_ = force_of(model_.friction, motion_);
-    errors_ = errors_of_model();
-    std::tie(out_.relative, out_.rms) = error_of(thin(filed_), 0.0, used_);
-    if (options_.of_log) share_of_log();
-    fit_own();
-    std::tie(out_.moving_relative, out_.moving_rms) = error_of(out_.modelled, load_, moving_);
-    compare_friction();
+    pick_moving_rows();
+    score();
+    if (std::optional<Scored> settled = where_settled()) return std::move(settled->out_);
     return std::move(out_);
   }
 
@@ -156,10 +151,44 @@ class Scored {
     const RestRows rests{record_, out_.row, out_.velocity, velocity_noise(),
                          record_.sample_time * static_cast<double>(out_.factor)};
     moving_ = moving_rows(rests, used_);
+    out_.at_rest = left_out();
+    take_moving_rows();
+  }
+  void take_moving_rows() {
     fitted_ = moving_.size() < kFewestRows ? used_ : moving_;
     load_ = constant_force();
     out_.moving = moving_.size();
-    out_.at_rest = 1.0 - static_cast<double>(out_.moving) / static_cast<double>(used_.size());
+  }
+  [[nodiscard]] double left_out() const {
+    return 1.0 - static_cast<double>(moving_.size()) / static_cast<double>(used_.size());
+  }
+  void score() {
+    errors_ = errors_of_model();
+    std::tie(out_.relative, out_.rms) = error_of(thin(filed_), 0.0, used_);
+    if (options_.of_log) share_of_log();
+    fit_own();
+    std::tie(out_.moving_relative, out_.moving_rms) = error_of(out_.modelled, load_, moving_);
+    compare_friction();
+  }
+
+  /// While friction builds up after a reversal, a model without pre-sliding knows no force either. Whether it does so is asked only where
+  /// no shift explains the force: a late force looks alike.
+  [[nodiscard]] std::optional<Scored> where_settled() const {
+    constexpr double kBad = 0.1, kMost = 0.1;  // of the force; of the rows
+    const bool asked = !friction::has_pre_sliding(model_.friction.dynamics) && moving_.size() >= kFewestRows;
+    if (!asked || !(out_.own_relative > kBad) || out_.of_rests()) return {};
+    Column friction = filed_;
+    for (std::size_t k = 0; k < friction.size(); ++k) friction[k] -= model_.mass * motion_.a[k] + model_.load;
+    const double late = expected_shift(model_, record_, options_.control_period) / record_.sample_time;
+    const Column measured = thin(log::align_force(record_.f, late));
+    Scored other = *this;
+    other.risen_ = 0, other.out_.or_pre_sliding = false;
+    other.moving_ = settled_rows({motion_.x, out_.row, measured, thin(filed_), thin(friction)}, moving_);
+    other.out_.unsettled = other.left_out() - out_.at_rest;
+    if (!(other.out_.unsettled > 0.0) || other.out_.unsettled > kMost) return {};
+    other.take_moving_rows();
+    other.score();
+    return other.out_.of_rests() ? std::optional<Scored>(std::move(other)) : std::nullopt;
   }
 
   /// Of the rows whose friction the model tells.

@@ -76,8 +76,10 @@ struct ForceError {
   double shift = kNaN;         ///< s [s]; > 0: the force stands later in the log than its motion
   double shift_half = kNaN;    ///< half width of 95 % [s]
   bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
-  bool or_pre_sliding = false;    ///< s may as well be pre-sliding that the model does not have
-  double at_rest = 0.0;           ///< share of the rows in which the axis stands
+  bool or_pre_sliding = false;  ///< s may as well be pre-sliding that the model does not have
+  double at_rest = 0.0;         ///< share of the rows in which the axis stands
+  double unsettled =
+      0.0;  ///< and behind reversals, in which friction builds up and the model has no pre-sliding
   double untold = 0.0;            ///< share of the other rows, in which it is slower than the model tells
   std::size_t moving = 0;         ///< of the decimated rows, without them
   double moving_relative = kNaN;  ///< as own_relative, of these
@@ -95,13 +97,14 @@ struct ForceError {
   std::vector<double> velocity;      ///< of the same rows [m/s]
   std::vector<double> acceleration;  ///< [m/s²]
 
-  /// Whether rests make most of the error. The force of an axis that stands lies anywhere within its friction: a model without pre-sliding
+  /// Whether rests, and without pre-sliding in the model the distances behind reversals, make most of the error. The force of an axis that stands lies anywhere within its friction: a model without pre-sliding
   /// knows nothing of it, and bristles know it only as far as the encoder shows how they are strained.
   [[nodiscard]] bool of_rests() const noexcept {
-    constexpr double kMuchRest = 0.1;    // of the rows
-    constexpr double kMuchLess = 0.7;    // of the error
-    constexpr std::size_t kFewest = 50;  // rows of motion
-    return moving >= kFewest && at_rest >= kMuchRest && moving_relative < kMuchLess * own_relative;
+    constexpr double kMuchRest = 0.1, kSomeRest = 0.02;  // of the rows
+    constexpr double kMuchLess = 0.7, kHalf = 0.5;       // of the error
+    constexpr std::size_t kFewest = 50;                  // rows of motion
+    const bool much = at_rest >= kMuchRest, some = unsettled > 0.0 && at_rest + unsettled >= kSomeRest;
+    return moving >= kFewest && (much || some) && moving_relative < (much ? kMuchLess : kHalf) * own_relative;
   }
 };
 

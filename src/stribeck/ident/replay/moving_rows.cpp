@@ -74,4 +74,50 @@ std::vector<std::size_t> moving_rows(const RestRows& rows, std::span<const std::
   return moving;
 }
 
+namespace {
+
+/// Share of its full size, with the sign of the motion, that friction has at each row when it builds up exponentially over a distance [m].
+std::vector<double> built_up(std::span<const double> x, double distance) {
+  std::vector<double> z(x.size(), 0.0);
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    const double moved = x[k] - x[k - 1];
+    z[k] = z[k - 1] + ((moved > 0.0 ? 1.0 : -1.0) - z[k - 1]) * -std::expm1(-std::abs(moved) / distance);
+  }
+  return z;
+}
+
+}  // namespace
+
+std::vector<std::size_t> settled_rows(const SettlingRows& rows, std::vector<std::size_t> moving) {
+  constexpr int kShortest = 16, kLongest = 7;  // halvings of the travel
+  constexpr double kExplains = 0.5;            // of the squares
+  constexpr double kBuiltUp = 0.9;
+  constexpr std::size_t kFewest = 50;
+  const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
+  const auto left = [&](const std::vector<double>* z) {
+    double mean = 0.0, square = 0.0;
+    for (const std::size_t i : moving) {
+      const double share = z != nullptr ? std::abs((*z)[rows.row[i]]) : 1.0;
+      const double sign = z != nullptr && (*z)[rows.row[i]] * rows.friction[i] < 0.0 ? -1.0 : 1.0;
+      const double e = rows.measured[i] - rows.modelled[i] + rows.friction[i] * (1.0 - sign * share);
+      mean += e, square += e * e;
+    }
+    return square - mean * mean / static_cast<double>(moving.size());
+  };
+  double least = kExplains * left(nullptr);
+  std::vector<double> best;
+  for (int k = kShortest; k >= kLongest; --k) {
+    std::vector<double> z = built_up(rows.x, std::ldexp(*high - *low, -k));
+    const double now = left(&z);
+    if (now < least) least = now, best = std::move(z);
+  }
+  if (best.empty()) return moving;
+  std::vector<std::size_t> settled;
+  for (const std::size_t i : moving) {
+    const double z = best[rows.row[i]];
+    if (std::abs(z) > kBuiltUp && z * rows.friction[i] > 0.0) settled.push_back(i);
+  }
+  return settled.size() < kFewest ? moving : settled;
+}
+
 }  // namespace stribeck::ident::replay

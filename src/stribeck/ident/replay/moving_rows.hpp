@@ -28,4 +28,17 @@ struct RestRows {
 /// Indices of `used` at which the axis moves.
 std::vector<std::size_t> moving_rows(const RestRows& rows, std::span<const std::size_t> used);
 
+/// A model without pre-sliding beside the force of a record, both at every `row`.
+struct SettlingRows {
+  std::span<const double> x;         ///< of every row of the record [m]
+  std::span<const std::size_t> row;  ///< of the record
+  std::span<const double> measured;  ///< [N]
+  std::span<const double> modelled;  ///< [N]
+  std::span<const double> friction;  ///< of the model [N]
+};
+
+/// The rows of `moving` at which friction has built up after the last reversal: the distance in which it does so is the one that brings the
+/// force of the model nearest to the measured one. All of them where no such distance explains much, or where few would be left.
+std::vector<std::size_t> settled_rows(const SettlingRows& rows, std::vector<std::size_t> moving);
+
 }  // namespace stribeck::ident::replay

@@ -69,5 +69,44 @@ TEST(MovingRows, AVelocityAloneShowsNoSlowFeed) {
   EXPECT_EQ(moving_in_the_middle(v, record), 0u);
 }
 
+/// A sine of 10 mm whose friction of 30 N builds up over `distance` after each reversal, and what a model without pre-sliding makes of it.
+struct Sine {
+  std::vector<double> x, measured, modelled, friction;
+  std::vector<std::size_t> row, moving;
+
+  explicit Sine(double distance, double level = 30.0) {
+    double z = 1.0;
+    for (std::size_t k = 0; k < 4000; ++k) {
+      const double t = 0.005 * static_cast<double>(k), v = 0.01 * std::cos(t);
+      x.push_back(0.01 * std::sin(t));
+      if (k > 0) {
+        const double moved = x[k] - x[k - 1];
+        z += ((moved > 0.0 ? 1.0 : -1.0) - z) * -std::expm1(-std::abs(moved) / distance);
+      }
+      friction.push_back(v > 0.0 ? 30.0 : -30.0);
+      modelled.push_back(friction.back() - 2.0 * x.back());
+      measured.push_back(level * z - 2.0 * x.back());
+      row.push_back(k), moving.push_back(k);
+    }
+  }
+  [[nodiscard]] std::vector<std::size_t> settled() const {
+    return settled_rows({x, row, measured, modelled, friction}, moving);
+  }
+};
+
+TEST(MovingRows, WithoutPreSlidingTheDistanceBehindAReversalIsLeftOut) {
+  const Sine sine(0.2e-3);
+  const std::vector<std::size_t> settled = sine.settled();
+  EXPECT_LT(settled.size(), sine.moving.size());
+  EXPECT_GT(settled.size(), sine.moving.size() / 2);
+  for (const std::size_t k : settled) EXPECT_LT(std::abs(sine.measured[k] - sine.modelled[k]), 6.0) << k;
+}
+
+TEST(MovingRows, AWrongLevelIsNotTakenForFrictionThatBuildsUp) {
+  EXPECT_EQ(Sine(1e-9).settled().size(), 4000U);
+  EXPECT_EQ(Sine(1e-9, 45.0).settled().size(), 4000U);
+  EXPECT_EQ(Sine(1e-9, 20.0).settled().size(), 4000U);
+}
+
 }  // namespace
 }  // namespace stribeck::ident::replay::moving_rows_test

@@ -140,7 +140,7 @@ void score(const Course& course, bool force, Replay& out) {
 
 void check_substeps(double n, double dt, const char* what) {
   if (n <= kMostSubsteps) return;
-  throw Refused(fmt::format(
+  throw Diverged(fmt::format(
       "replay: {} {:.3g} sub-steps in a hold of {:.4g} s, more than {:g} (check mass and units, use the "
       "model without dynamics or a softer one)",
       what, n, dt, kMostSubsteps));
@@ -173,6 +173,30 @@ Start start_of(const log::Record& record, std::size_t row, double noise) {
 
 namespace {
 
+/// Rows at which the axis turns and then travels by a thousandth of its stroke at least: at rest it turns often, within micrometres.
+std::vector<std::size_t> turns_of(const std::vector<double>& x, double stroke) {
+  constexpr double kLeastTravel = 1e-3;
+  const double least = kLeastTravel * stroke;
+  std::vector<std::size_t> turns;
+  std::size_t low = 0;
+  std::size_t high = 0;
+  int direction = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (x[k] >= x[high]) high = k;
+    if (x[k] <= x[low]) low = k;
+    if (direction <= 0 && x[k] - x[low] > least) {
+      if (direction < 0) turns.push_back(low);
+      direction = 1;
+      high = k;
+    } else if (direction >= 0 && x[high] - x[k] > least) {
+      if (direction > 0) turns.push_back(high);
+      direction = -1;
+      low = k;
+    }
+  }
+  return turns;
+}
+
 /// Starts and measured velocities; nothing is predicted yet.
 OpenLoop course_of(const Course& course) {
   OpenLoop out;
@@ -181,6 +205,7 @@ OpenLoop course_of(const Course& course) {
   for (const std::size_t k : course.motion.reversals) {
     if (k > 0 && k < course.v.size() && std::isfinite(course.v[k])) out.starts.push_back(k);
   }
+  out.reversals = turns_of(course.record.x, course.motion.stroke);
   for (Replay* replay : {&out.free, &out.restarted}) {
     replay->x.assign(course.v.size(), kNaN);
     replay->v = replay->x;

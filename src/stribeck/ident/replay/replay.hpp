@@ -52,9 +52,11 @@ struct Replay {
 };
 
 struct OpenLoop {
-  Replay free;                            ///< from the first row alone
-  Replay restarted;                       ///< anew at every reversal
-  std::vector<std::size_t> starts;        ///< rows at which `restarted` took the measured state
+  Replay free;                      ///< from the first row alone
+  Replay restarted;                 ///< anew at every reversal
+  std::vector<std::size_t> starts;  ///< rows at which `restarted` took the measured state
+  std::vector<std::size_t>
+      reversals;  ///< rows at which the axis turns for a travel, which vibration at rest is not
   std::vector<double> measured_velocity;  ///< [m/s]; NaN: not known in this row
 };
 

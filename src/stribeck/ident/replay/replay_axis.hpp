@@ -27,7 +27,8 @@ inline double substeps(double dt, double rate) {
   return std::max({kFewestSubsteps, std::ceil(dt / kLongestSubstep), std::ceil(dt * rate)});
 }
 
-/// Refuses n sub-steps in a hold of dt [s] where they are too many; `what` names what needs them.
+/// Diverged where n sub-steps in a hold of dt [s] are too many, as of a run that has left the speeds of its model; `what` names what
+/// needs them.
 void check_substeps(double n, double dt, const char* what);
 
 /// Greatest slope of friction over velocity, on either side of standstill [N·s/m].

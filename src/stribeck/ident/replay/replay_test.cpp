@@ -104,6 +104,25 @@ TEST(Replay, AWrongModelIsFarOffAndStartingAnewKeepsItNear) {
   for (const std::size_t k : open.starts) EXPECT_EQ(open.restarted.x[k], r.x[k]);
 }
 
+// A drive that holds its place swings by some steps of the encoder: each was counted.
+TEST(Replay, VibrationAtRestIsNoReversal) {
+  log::Record r;
+  r.sample_time = 1e-3;
+  for (int k = 0; k < 8000; ++k) {
+    const double t = 1e-3 * k;
+    // Two strokes of 50 mm, between them a second of rest with a swing of 20 um.
+    const double turn = std::fmod(t, 4.0);
+    const double way = turn < 1.0 ? turn : turn < 2.0 ? 1.0 : turn < 3.0 ? 3.0 - turn : 0.0;
+    const bool rests = turn - std::floor(turn) > 0.0 && (turn >= 3.0 || (turn >= 1.0 && turn < 2.0));
+    r.x.push_back(50e-3 * way + (rests ? 20e-6 * std::sin(2.0 * kPi * 20.0 * t) : 0.0));
+    r.f.push_back(0.0);
+  }
+  r.source = "swing";
+  const OpenLoop open = not_replayed(r);
+  EXPECT_GT(open.starts.size(), 20u);
+  EXPECT_EQ(open.reversals.size(), 3u);
+}
+
 /// The same run and model seen from the other side.
 log::Record mirrored(log::Record r) {
   for (auto* column : {&r.x, &r.r, &r.f, &r.v}) {

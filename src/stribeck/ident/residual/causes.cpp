@@ -54,7 +54,9 @@ std::pair<Fit, double Row::*> fit_better(const Rows& rows, const Columns& column
 }
 
 /// Whether the axis turns so far that sine and cosine of its angle are no straight line.
-bool may_be_unbalanced(const Rows& rows) { return rows.turns() && rows.high - rows.low >= kLeastTurn; }
+bool may_be_unbalanced(const Rows& rows) {
+  return rows.turns() && !rows.unbalanced && rows.high - rows.low >= kLeastTurn;
+}
 
 /// The columns of the model, then sine and cosine of the angle.
 Columns unbalance_columns(const Rows& rows) {
@@ -276,7 +278,7 @@ void find_causes(const std::vector<Left>& left, const Rows& given, Diagnosis& ou
   }
   find_unbalance(rows, out);
   if (!out.unbalance) find_spring(rows, out);
-  if (out.spring && rows.turns()) {
+  if (out.spring && rows.turns() && !rows.unbalanced) {
     out.cannot_tell.emplace_back(
         "whether the force that grows with the angle is a spring or the unbalance of the axis: add a position-sine and "
         "strokes of constant acceleration");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual_parts.hpp>
@@ -67,14 +68,15 @@ struct MeanRow {
 
 class Collector {
  public:
-  Collector(const std::vector<log::Record>& records, const Result& result) : result_(result) {
+  Collector(const std::vector<log::Record>& records, const Result& result) {
     mass_ = std::isfinite(result.mass) ? result.mass : 0.0;
     rows_.mass = mass_;
     rows_.force_unit = result.force_unit;
     rows_.position_unit = result.position_unit;
     rows_.rotary = !records.empty() && records.front().rotary;
     rows_.drifts = result.level_drifts;
-    for (const log::Record& r : records) add(r);
+    rows_.unbalanced = result.find("unbalance") != nullptr;
+    for (const log::Record& r : records) add(r, result);
   }
 
   std::vector<Left> left;
@@ -85,12 +87,12 @@ class Collector {
   }
 
  private:
-  void add(const log::Record& r) {
+  void add(const log::Record& r, const Result& result) {
     Left one;
     one.record = &r;
     log::MotionOptions options;
-    options.shift = shift_in_rows(result_, r.sample_time);
-    options.cut_off = result_.cut_off;  // what the fit did not see is no error of it
+    options.shift = shift_in_rows(result, r.sample_time);
+    options.cut_off = result.cut_off;  // what the fit did not see is no error of it
     one.motion = log::reconstruct(r, options);
     const log::Motion& m = one.motion;
     // As it stands in the log: the mean over a hold would take off a part of a fast line.
@@ -101,8 +103,8 @@ class Collector {
     for (std::size_t k = 0; k < n; ++k) {
       if (m.valid(k)) top = std::max(top, std::abs(m.v[k]));
     }
-    const double exclude = std::isfinite(result_.break_away_distance) ? kSettled * result_.break_away_distance
-                                                                      : kNearReversal * m.stroke;
+    const double exclude = std::isfinite(result.break_away_distance) ? kSettled * result.break_away_distance
+                                                                     : kNearReversal * m.stroke;
     const auto number = static_cast<int>(rows_.records.size());
     rows_.records.push_back(&r);
     const std::size_t step = std::max<std::size_t>(1, n / kMostRows);
@@ -114,9 +116,9 @@ class Collector {
       const double v = m.v[k];
       if (std::abs(v) < kSlowest * top || !m.sliding(k, exclude)) continue;
       if (!r.skip.empty() && r.skip[k] != 0) continue;
-      const auto p = result_.friction.parts(v, m.x[k]);
+      const auto p = result.friction.parts(v, m.x[k]);
       const double friction = p.level * (v > 0.0 ? 1.0 : -1.0) + p.viscous + p.additive;
-      const double model = mass_ * m.a[k] + result_.load + friction;
+      const double model = mass_ * m.a[k] + result.load + friction;
       const double e = m.f[k] - model;
       const auto at =
           std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(k) + later, 0, std::ssize(r.f) - 1);
@@ -129,8 +131,9 @@ class Collector {
       last = m.stretch[k];
       if (sums.rows == 1) rows_.low = rows_.high = m.x[k];
       rows_.low = std::min(rows_.low, m.x[k]), rows_.high = std::max(rows_.high, m.x[k]);
-      const Row row{number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k],        v,
-                    m.a[k], e, v > 0.0 ? 1.0 : -1.0,          m.f[k], m.distance[k], snap_of(m, k, lag)};
+      const Row row{
+          number, k / step, first_stretch_ + m.stretch[k], r.t[k], m.x[k],        v,
+          m.a[k], e,        v > 0.0 ? 1.0 : -1.0,          m.f[k], m.distance[k], snap_of(m, k, lag)};
       if (mean.count > 0 &&
           (k / step != mean.block || row.stretch != mean.sum.stretch || row.sign != mean.sum.sign))
         rows_.rows.push_back(mean.taken());
@@ -141,11 +144,23 @@ class Collector {
     left.push_back(std::move(one));
   }
 
-  const Result& result_;
   double mass_ = 0.0;
   Rows rows_;
   int first_stretch_ = 0;
 };
+
+/// The residual behind the low-pass of the noise, where the one of the result is higher (it shows a fast periodic force). There the noise of
+/// the acceleration looks like too large a mass, and the spring that makes up for it like a cause.
+std::optional<Collector> behind_noise(const std::vector<log::Record>& records, const Result& result,
+                                      double cut_off) {
+  if (!(result.cut_off > 0.0)) return {};
+  Result smoothed = result;
+  smoothed.cut_off = 0.0;
+  std::optional<Collector> out;
+  out.emplace(records, smoothed);
+  if (out->left.empty() || !(cut_off_of(out->left.front().motion) < cut_off)) out.reset();
+  return out;
+}
 
 const char* hum_of(double frequency) {
   for (const double f : {50.0, 100.0, 150.0}) {
@@ -228,14 +243,35 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   q.cut_off = cut_off_of(collected.left.front().motion);
   find_lines(collected.left, std::isfinite(result.mass) ? result.mass : 0.0, q);
   judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
-  const Rows rows = collected.take();
+  std::optional<Collector> smoother = behind_noise(records, result, q.cut_off);
+  Collector& by = smoother ? *smoother : collected;
+  const Rows rows = by.take();
   if (rows.high > rows.low && rows.friction > 0.0) {
     if (one_sided) find_one_sided(rows, out);
     if (out.one_sided) return out;  // it would look like any of the causes below
-    find_causes(collected.left, rows, out);
+    find_causes(by.left, rows, out);
     find_changes(rows, out);
   }
   return out;
+}
+
+std::array<double, 2> both_leave(const LogsAndModel& a, const LogsAndModel& b) {
+  constexpr double kAlike = 1.05;
+  std::array<double, 2> rms{}, cut_off{};
+  const std::array both{&a, &b};
+  const auto collect = [&](std::size_t i, const Result& result) {
+    const Collector c(both[i]->records, result);
+    rms[i] = c.sums.rows > 0 ? std::sqrt(c.sums.ee / static_cast<double>(c.sums.rows)) : kNaN;
+    cut_off[i] = c.left.empty() ? kNaN : cut_off_of(c.left.front().motion);
+    if (std::isnan(cut_off[i])) cut_off[i] = std::numeric_limits<double>::infinity();  // no low-pass
+  };
+  for (const std::size_t i : {0U, 1U}) collect(i, both[i]->result);
+  const std::size_t higher = cut_off[0] > cut_off[1] ? 0 : 1, lower = 1 - higher;
+  if (!(cut_off[higher] > kAlike * cut_off[lower])) return rms;
+  Result smoothed = both[higher]->result;
+  smoothed.cut_off = cut_off[lower];
+  collect(higher, smoothed);
+  return rms;
 }
 
 }  // namespace stribeck::ident::residual

@@ -17,6 +17,7 @@
 /// Works on records and a result alone, whichever method made it. Real time: no.
 /// Errors: those of log::reconstruct.
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -130,6 +131,15 @@ double shift_in_rows(const Result& result, double period);
 
 /// `one_sided`: whether a force in one direction is looked for, before all others.
 Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result, bool one_sided = true);
+
+struct LogsAndModel {
+  const std::vector<log::Record>& records;
+  const Result& result;
+};
+
+/// RMS of what each of two models leaves of its logs [N], both behind the lower one of their low-passes: less of the noise of the force
+/// passes there. NaN: no rows.
+std::array<double, 2> both_leave(const LogsAndModel& a, const LogsAndModel& b);
 
 /// One or two sentences about the quality.
 std::string in_words(const Quality& quality, const std::string& force_unit);

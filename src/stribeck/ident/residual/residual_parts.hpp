@@ -25,13 +25,13 @@ struct Left {
 /// A row that counts; of a long log the mean of neighbours.
 struct Row {
   int record = 0;
-  std::size_t at = 0;
-  int stretch = 0;  ///< counted over all records
-  double t = 0.0;   ///< [s]
-  double x = 0.0;   ///< [m]
-  double v = 0.0;   ///< [m/s]
-  double a = 0.0;   ///< [m/s²]
-  double e = 0.0;   ///< residual behind the low-pass [N]
+  std::size_t at = 0;  ///< number of the mean in its record
+  int stretch = 0;     ///< counted over all records
+  double t = 0.0;      ///< [s]
+  double x = 0.0;      ///< [m]
+  double v = 0.0;      ///< [m/s]
+  double a = 0.0;      ///< [m/s²]
+  double e = 0.0;      ///< residual behind the low-pass [N]
   double sign = 1.0;
   double f = 0.0;          ///< force behind the low-pass [N]
   double travelled = 0.0;  ///< since the reversal [m]
@@ -47,8 +47,9 @@ struct Rows {
   double mass = 0.0;      ///< of the model [kg]; 0: it has none
   std::string force_unit;
   std::string position_unit;
-  bool rotary = false;  ///< positions are arcs at a radius of 1 m
-  bool drifts = false;  ///< the level of friction rises or falls over time
+  bool rotary = false;      ///< positions are arcs at a radius of 1 m
+  bool unbalanced = false;  ///< the model has the weight of an axis that turns
+  bool drifts = false;      ///< the level of friction rises or falls over time
 
   /// Whether the position is an angle in radians.
   [[nodiscard]] bool turns() const noexcept { return rotary || position_unit == "rad"; }

@@ -130,6 +130,31 @@ TEST(Residual, ASpringThatCountsForTheMassIsFoundBelowFriction) {
   EXPECT_FALSE(diagnose({record_of(two_sines, none_to_speak_of)}, truth()).spring);
 }
 
+// Behind the low-pass of 200 Hz, which shows a fast ripple, steps of 20 um in the position are 3 m/s2 of noise beside 0.45 of motion: less
+// mass explains them better, and a spring of -235 N/m then gives the motion back its force.
+TEST(Residual, NoiseOfTheEncoderIsNoSpring) {
+  log::Record r = record_of(two_sines, none);
+  for (double& x : r.x) x = 20e-6 * std::round(x / 20e-6);
+  Result result = truth();
+  EXPECT_FALSE(diagnose({r}, result).spring);
+  result.cut_off = 200.0;
+  const Diagnosis d = diagnose({r}, result);
+  EXPECT_NEAR(d.quality.cut_off, 200.0, 1e-9);
+  EXPECT_FALSE(d.spring) << d.spring->stiffness;
+}
+
+// White noise of 30 N: less of it is behind 20 Hz than behind 100 Hz, and the model is the same.
+TEST(Residual, TwoModelsAreComparedBehindOneLowPass) {
+  const std::vector<log::Record> logs{record_of(two_sines, none, 30.0)};
+  Result wide = truth(), narrow = truth();
+  wide.cut_off = 100.0, narrow.cut_off = 20.0;
+  EXPECT_GT(diagnose(logs, wide).quality.rms, 1.5 * diagnose(logs, narrow).quality.rms);
+  const auto [of_wide, of_narrow] = both_leave({logs, wide}, {logs, narrow});
+  EXPECT_DOUBLE_EQ(of_wide, of_narrow);
+  EXPECT_DOUBLE_EQ(of_narrow, diagnose(logs, narrow).quality.rms);
+  EXPECT_EQ(both_leave({logs, narrow}, {logs, wide}), both_leave({logs, wide}, {logs, narrow}));
+}
+
 TEST(Residual, FindsAnUnbalancedArm) {
   const auto turn = [](double t) {
     Moment m = two_sines(t);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
@@ -29,7 +30,10 @@ Uncertainty::Uncertainty(const Eigen::MatrixXd& X, const Eigen::VectorXd& e, con
 }
 
 double Uncertainty::half_width(const Eigen::VectorXd& g) const {
-  return factor_ * std::sqrt(std::max({0.0, g.dot(long_run_ * g), g.dot(stationary_ * g)}));
+  const double long_run = g.dot(long_run_ * g), stationary = g.dot(stationary_ * g);
+  // Columns that are not independent: nothing is known.
+  if (!std::isfinite(long_run + stationary)) return kInfinity;
+  return factor_ * std::sqrt(std::max({0.0, long_run, stationary}));
 }
 
 }  // namespace stribeck::ident::stats

@@ -343,8 +343,16 @@ double Misfit::at(int side, double speed) const {
 }
 
 double Intervals::error_of(const VectorXd& h) const {
-  const double variance =
-      std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h), h.dot(folds * h)});
+  const double of_noise = std::max({0.0, h.dot(long_run * h), h.dot(stationary * h)});
+  double of_records = std::max(0.0, h.dot(between * h));
+  if (of_records > of_noise) {
+    // Where they differ by far more than noise, few records tell little of how much they differ.
+    constexpr double kMore = 1.5, kFarMore = 3.0;  // of the standard error by noise
+    const double ratio = std::sqrt(of_records / std::max(of_noise, 1e-300));
+    const double share = std::clamp((ratio - kMore) / (kFarMore - kMore), 0.0, 1.0);
+    of_records *= std::pow(1.0 + share * (few_records - 1.0), 2.0);
+  }
+  const double variance = std::max({of_noise, of_records, h.dot(folds * h)});
   return std::hypot(std::sqrt(variance), h.dot(unsettled), h.dot(filtered));
 }
 
@@ -387,6 +395,10 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   out.stationary = noise * correction * inverse * bread.white * inverse.transpose();
   out.between = inverse * between_records(scores.of_record) * inverse.transpose();
   out.factor = stats::student_factor(freedom);
+  // Of two records Student's factor would be 12.7, of which nobody has use.
+  constexpr double kFewestFreedoms = 2.0;
+  const double between = std::max(kFewestFreedoms, static_cast<double>(log.records.size()) - 1.0);
+  out.few_records = std::max(1.0, stats::student_factor(between) / out.factor);
   const Index size = out.long_run.rows();
   out.folds = choice.joint ? MatrixXd::Zero(size, size) : between_folds(found.held_out, size, out.factor);
   out.unsettled = change_of_fast_rows(log, used, narrow, found, noise, size);

@@ -6,7 +6,8 @@
 ///
 /// A shift that was not found, but not given either, is a nuisance parameter: its column takes part with the value 0 and what is
 /// known before, a delay of a row or two (kDelayDeviation). Several records: the scores of the records against each other
-/// are a third form, which sees what differs from run to run.
+/// are a third form, which sees what differs from run to run. Where that is far more than noise, it is multiplied by Student's factor for
+/// the number of records, at least three: of two records an interval is still too narrow.
 ///
 /// At each speed, Newey–West has only the few passes through that speed, and by chance its variance is often too small. The
 /// stationary form pools all rows but misses noise that depends on speed. Directions of the map that the data do not determine
@@ -58,6 +59,7 @@ struct Intervals {
   MatrixXd long_run;         ///< covariance of linear terms and map
   MatrixXd stationary;       ///< the same under stationary noise
   MatrixXd between;          ///< the same from the difference of the records; zero for one record
+  double few_records = 1.0;  ///< factor of that form where the records clearly differ: their number is small
   MatrixXd folds;            ///< the same from fits without each block of motion, of the linear terms
   VectorXd unsettled;        ///< change of θ when only fast rows count, beyond its noise
   VectorXd filtered;         ///< what the error of the drive's filter adds to θ

@@ -153,5 +153,44 @@ TEST(Intervals, AJointFitTakesItsOwnLinearTerms) {
   EXPECT_LT(i.error_at(0), 1.5 * f.intervals.error_at(0));
 }
 
+/// Two logs whose gain differs by `share`.
+Fitted two_logs(unsigned seed, double share) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  Fitted out;
+  for (const double mass : {250.0 * (1.0 - share), 250.0 * (1.0 + share)}) {
+    test::SyntheticLog one = test::synthetic_log([&](double, double v, double a) {
+      return mass * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + 2.0 * normal(engine);
+    });
+    if (!out.log.log.motions.empty()) {
+      out.log.records->push_back(one.records->front());
+      out.log.log.force.push_back(one.log.force.front());
+      out.log.log.predicted.emplace_back();
+      out.log.log.motions.push_back(one.log.motions.front());
+    } else {
+      out.log = std::move(one);
+    }
+    out.log.log.records = *out.log.records;
+  }
+  out.rows = gather(out.log.log, extent_of(out.log.log), {1e-3, 0.04, 0.0}, 160);
+  const LinearFit first = solve(out.log.log, out.rows, {});
+  out.fit = solve(out.log.log, out.rows, {}, &first);
+  out.choice = choose_map(out.log.log, out.rows, {}, out.fit, {});
+  out.intervals = intervals(out.log.log, out.rows, {}, out.fit, out.choice, true);
+  return out;
+}
+
+// Student's factor for three records, 4.3, and half of the difference: of two the spread itself is hardly known.
+TEST(Intervals, TwoLogsThatDifferTellLittleOfTheSpread) {
+  const Fitted f = two_logs(3, 0.02);
+  const double half = f.intervals.factor * f.intervals.error_at(0);
+  EXPECT_NEAR(half, 4.3 * 0.02 * 250.0, 0.15 * 4.3 * 0.02 * 250.0);
+}
+
+TEST(Intervals, TwoLogsThatAgreeAreNotWidened) {
+  const Fitted f = two_logs(3, 0.0), one = fitted(1, 2.0);
+  EXPECT_LT(f.intervals.error_at(0), 1.5 * one.intervals.error_at(0));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::drive::intervals_test

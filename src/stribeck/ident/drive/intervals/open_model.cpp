@@ -227,7 +227,9 @@ double rise_speed(const Found& found, const Result& result, const Points& points
   }
   const double top = std::max(found.rows.grid[0].high, found.rows.grid[1].high);
   const double slowest = std::max(found.rows.grid[0].low, found.rows.grid[1].low);
-  const double usual = std::max(kUsualRiseSpeed, kSlowestRise * slowest);
+  // Of an angle no speed is usual.
+  const bool turns = found.log.records.front().turns();
+  const double usual = std::max(turns ? 0.0 : kUsualRiseSpeed, kSlowestRise * slowest);
   return rounded(std::min(known > 0.0 ? sum / known : usual, kFastestRise * top));
 }
 

@@ -86,6 +86,7 @@ MapChoice choose_map(const AlignedLog& log, const Rows& rows, const Terms& terms
   statics.terms = options.terms;
   statics.most_terms = options.most_terms;
   statics.symmetric = options.symmetric;
+  statics.weighted = options.weighted;
   MapChoice out{map::choose_static(sums_left(log, rows, terms, fit), statics), std::nullopt};
   out.map.fit.load += fit.load;
   for (map::StaticFit& rival : out.map.rivals) rival.load += fit.load;

@@ -38,6 +38,29 @@ TEST(LogFaults, StrokesHaveNone) {
   }
 }
 
+// At the end of a stroke the axis may settle by a few steps of its encoder from one row to the next: 1.5 um in 2 ms take 1.5 m/s2, twice
+// the acceleration of the strokes. A jump of 15 um would take an impact. The axis mostly rests, so that few rows show its acceleration.
+TEST(LogFaults, AnAxisThatSettlesByMicrometresDoesNotJump) {
+  constexpr std::size_t kRest = 40000;
+  for (const auto& [jump, cut] : {std::pair{1.5e-6, false}, std::pair{15e-6, true}}) {
+    RawLog log = strokes(1, true);
+    for (std::vector<double>* column : {&log.x.t, &log.x.y, &log.r.y, &log.f.y}) {
+      for (std::size_t k = 0; 2 * k < column->size(); ++k) (*column)[k] = (*column)[2 * k];
+      column->resize((column->size() + 1) / 2);
+    }
+    const std::size_t moving = log.x.y.size();
+    const double x = log.x.y.back();
+    for (std::size_t k = 0; k < kRest; ++k) {
+      log.x.t.push_back(log.x.t.back() + 2e-3);
+      log.x.y.push_back(x + (k % 3 == 0 ? 5e-8 : 0.0) + (k > kRest / 2 ? jump : 0.0));
+      log.r.y.push_back(log.r.y.back());
+      log.f.y.push_back(log.f.y[moving - 1 - k % 20]);
+    }
+    const Conditioned c = condition(log);
+    EXPECT_EQ(texts(c).find("jumps by") != std::string::npos, cut) << jump << ": " << texts(c);
+  }
+}
+
 TEST(LogFaults, WrappedPositionBecomesContinuous) {
   for (const double period : {0.02, 2.5e-3}) {
     const RawLog truth = strokes(1, true);
@@ -238,6 +261,32 @@ TEST(LogFaults, RippleOfAScrewIsNoLine) {
     log.f.y[k] += 8.0 * std::sin(2.0 * std::numbers::pi * log.x.y[k] / 2.5e-3);
   const Conditioned c = condition(log);
   EXPECT_TRUE(c.findings.empty()) << texts(c);
+}
+
+/// Rows that the logger lost.
+RawLog without_rows(RawLog log, std::size_t first, std::size_t count) {
+  for (std::vector<double>* c : {&log.x.t, &log.x.y, &log.r.y, &log.f.y}) {
+    const auto from = c->begin() + static_cast<std::ptrdiff_t>(first);
+    c->erase(from, from + static_cast<std::ptrdiff_t>(count));
+  }
+  return log;
+}
+
+TEST(LogFaults, AClockIsStraightenedBeyondAGap) {
+  const RawLog log = strokes(4, true);
+  const double rows = static_cast<double>(log.f.y.size());
+  const Conditioned c = condition(without_rows(with_force_moved(log, 0.0, -30.0 / rows), 3000, 150));
+  ASSERT_EQ(c.records.size(), 2U) << texts(c);
+  EXPECT_THAT(kinds(c), ::testing::Contains("late")) << texts(c);
+  // In the second piece too the force is that of its row: before, it was 15 rows late.
+  const auto& second = c.records.back();
+  const RawLog truth = strokes(4, true);
+  double off = 0.0;
+  for (std::size_t k = 200; k + 200 < second.f.size(); ++k) {
+    const auto row = static_cast<std::size_t>(std::lround(second.t[k] / second.sample_time));
+    off += std::abs(second.f[k] - truth.f.y[row]) / static_cast<double>(second.f.size());
+  }
+  EXPECT_LT(off, 2.0);
 }
 
 }  // namespace

@@ -30,6 +30,18 @@ Step step_to(const std::vector<double>& x, std::size_t k) {
   return s;
 }
 
+/// Largest acceleration that the motion shows, over eight rows so that noise has little part in it, times the square of the sample time.
+double acceleration_of(const std::vector<Table>& tables) {
+  constexpr std::size_t kReach = 4;
+  std::vector<double> sizes;
+  for (const Table& m : tables) {
+    const std::size_t stride = std::max<std::size_t>(1, m.rows() / 20000);
+    for (std::size_t k = kReach; k + kReach < m.rows(); k += stride)
+      sizes.push_back(std::abs(m.x[k + kReach] - 2.0 * m.x[k] + m.x[k - kReach]) / (kReach * kReach));
+  }
+  return sizes.empty() ? 0.0 : stats::thinned_quantile(sizes, 0.999);
+}
+
 /// Above these a jump, or a change of speed from one row to the next, is no motion.
 struct JumpLimits {
   double jump = 0.0;
@@ -48,7 +60,10 @@ JumpLimits jump_limits_of(const std::vector<Table>& tables, const Sampling& samp
     }
   }
   if (jumps.size() < 50) return {};
-  const double least = std::max(5.0 * sampling.x_quantum_large, 20.0 * sampling.x_noise);
+  // From rest to rest within a row takes an acceleration of four times the jump; thrice the largest one of the motion is an impact.
+  constexpr double kImpact = 3.0 / 4.0;
+  const double least =
+      std::max({5.0 * sampling.x_quantum_large, 20.0 * sampling.x_noise, kImpact * acceleration_of(tables)});
   return {std::max(kWildJump * stats::thinned_quantile(jumps, 0.995), least),
           std::max(2.0 * kWildJump * stats::thinned_quantile(changes, 0.995), 2.0 * least)};
 }

@@ -142,6 +142,7 @@ std::optional<Drift> drift_of(const Table& m, double late) {
   constexpr std::size_t kParts = 8, kFewestParts = 5;
   constexpr std::ptrdiff_t kAround = 60;  // rows
   constexpr double kLeast = 3.0;          // rows
+  constexpr double kLeastTime = 2e-3;     // [s]
   constexpr double kOff = 0.1;            // of the drift, RMS
   std::vector<double> x, y;
   for (std::size_t i = 0; i < kParts; ++i) {
@@ -161,8 +162,47 @@ std::optional<Drift> drift_of(const Table& m, double late) {
   const VectorXd line = design.householderQr().solve(lags);
   const double over = line(1) * static_cast<double>(m.rows());
   const double off = (lags - design * line).norm() / std::sqrt(static_cast<double>(x.size()));
-  if (std::abs(over) < kLeast || off > kOff * std::abs(over)) return {};
+  if (std::abs(over) < std::max(kLeast, kLeastTime / m.sample_time) || off > kOff * std::abs(over)) return {};
   return Drift{line(0), line(1), over};
+}
+
+/// Whether a rigid axis with friction explains clearly more of the stretched force. Friction that builds up over a distance moves the delays
+/// of slow parts as a clock would.
+bool explains_more(const Table& before, const Table& after) {
+  constexpr double kClearly = 0.8;  // of the squares that are left
+  const auto usual = static_cast<std::ptrdiff_t>(std::ceil(kOfDrives / before.sample_time));
+  const Stretch plain(before, 0, before.rows()), stretched(after, 0, after.rows());
+  return stretched.tells() && stretched.best(0, usual).left < kClearly * plain.best(0, usual).left;
+}
+
+/// Rows of the clock from the begin of `longest` to that of `m`; absent where both are not of one recording.
+std::optional<double> rows_between(const Table& longest, const Table& m) {
+  if (m.run != longest.run || m.t.empty()) return {};
+  return (m.t.front() - longest.t.front()) / longest.sample_time;
+}
+
+/// A force whose delay grows in a straight line is stretched, in all pieces of the recording.
+void straighten_clock(std::vector<Table>& tables, const Table& longest, Notes& notes) {
+  const std::optional<Drift> drift = drift_of(longest, 0.0);
+  if (!drift) return;
+  std::vector<Table> mended;
+  for (const Table& m : tables) {
+    const std::optional<double> from = rows_between(longest, m);
+    if (!from) return;
+    mended.push_back(moved(m, drift->late + drift->rate * *from, drift->rate));
+  }
+  if (!explains_more(longest, mended[static_cast<std::size_t>(&longest - tables.data())])) return;
+  const std::string source = longest.source;
+  const double T = longest.sample_time;
+  tables = std::move(mended);
+  notes.add_all(
+      "late", source, true,
+      fmt::format(
+          "the force gets {:.4g} ms {} from the first row to the last ({:.0f} ppm): the clocks of two "
+          "devices run at different rates; the force was stretched by that",
+          1e3 * std::abs(drift->over) * T, drift->over > 0.0 ? "later" : "earlier",
+          1e6 * std::abs(drift->rate)),
+      {drift->over * T, drift->rate});
 }
 
 }  // namespace
@@ -198,17 +238,7 @@ void align_late_force(std::vector<Table>& tables, Notes& notes) {
           {late * T});
     }
   }
-  const std::optional<Drift> drift = drift_of(*longest, 0.0);
-  if (!drift || tables.size() > 1) return;
-  *longest = moved(*longest, drift->late, drift->rate);
-  notes.add_all(
-      "late", longest->source, true,
-      fmt::format(
-          "the force gets {:.4g} ms {} from the first row to the last ({:.0f} ppm): the clocks of two "
-          "devices run at different rates; the force was stretched by that",
-          1e3 * std::abs(drift->over) * T, drift->over > 0.0 ? "later" : "earlier",
-          1e6 * std::abs(drift->rate)),
-      {drift->over * T, drift->rate});
+  straighten_clock(tables, *longest, notes);
 }
 
 }  // namespace stribeck::ident::log::parts

@@ -298,7 +298,8 @@ void add_mass(const std::vector<log::Record>& records, const map::SteadyRuns& fo
     return;
   }
   EqualSpeedOptions equal;
-  equal.exclude = std::max(found.exclude, 20e-6);
+  constexpr double kLeast = 20e-6;
+  if (!records.front().turns() || found.exclude > kLeast) equal.exclude = std::max(found.exclude, kLeast);
   if (found.periodic) equal.periods = {found.periodic->period};
   const std::vector<log::Record> moving = moving_records(records, found);
   MassEstimate mass;
