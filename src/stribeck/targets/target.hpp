@@ -16,6 +16,9 @@
 
 namespace stribeck::targets {
 
+/// How far a search of many circles has come: "fanuc x", circles done, circles in all. Called under a lock.
+using ExportProgress = std::function<void(std::string_view what, std::size_t done, std::size_t all)>;
+
 /// The options of an export, as a user gives them: texts with units; empty where not given.
 struct ExportRequest {
   std::vector<std::string> files;       ///< axis files, or one machine file
@@ -36,6 +39,7 @@ struct ExportRequest {
   std::string period;                   ///< control period
   std::string size;                     ///< radius of the user's circle
   std::string command;                  ///< command of the export, for the comment at its head
+  ExportProgress progress;              ///< may be empty
 };
 
 /// The files that an export reads.

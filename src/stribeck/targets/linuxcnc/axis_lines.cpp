@@ -14,6 +14,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
+#include <stribeck/targets/linuxcnc/hal_axis.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
 #include <stribeck/targets/target.hpp>
@@ -73,6 +74,18 @@ double table_speed(const ExportRequest& o, const std::string& file, const sim::A
   return *identified;
 }
 
+/// A line for an axis whose machine unit is not a millimetre; else nothing.
+std::string unit_line(const std::string& name, std::string_view axis, bool rotary) {
+  const double unit = unit_of(axis, rotary);
+  if (rotary) return setp(name, "position-unit", unit, "a rotary axis: LinuxCNC counts in degrees");
+  if (!counts_degrees(axis)) return {};
+  return setp(
+      name, "position-unit", unit,
+      fmt::format(
+          "LinuxCNC counts axis {} in degrees; a file without rotary = true has arcs at a radius of {:g} mm",
+          axis, 1e3 * HalAxis{}.radius));
+}
+
 }  // namespace
 
 double omega_of(const ExportRequest& o) {
@@ -89,8 +102,7 @@ std::string controllers(const ExportRequest& o) {
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto file = workflow::read_axis_file(o.files[i]);
     out += '\n' + io::comment_lines(fmt::format("{} from {}", names[i], o.files[i]));
-    if (file.rotary.value_or(false))
-      out += setp(names[i], "position-unit", kPi / 180.0, "a rotary axis: LinuxCNC counts in degrees");
+    out += unit_line(names[i], file.axis.value_or(""), file.rotary.value_or(false));
     out += controller_lines(names[i], file.model, omega, o.feedforward);
   }
   return out;
@@ -109,12 +121,20 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
     const auto file = workflow::read_axis_file(o.files[i]);
     const friction::AxisModel& model = file.model;
     const bool rotary = file.rotary.value_or(false);
-    const double unit = rotary ? kPi / 180.0 : 1e-3;
+    const bool degrees = rotary || counts_degrees(file.axis.value_or(""));
+    const double unit = unit_of(file.axis.value_or(""), rotary);
     const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], file), unit);
-    const std::string worth = lincurve_words(table, model, rotary ? "deg/s" : "mm/s");
+    const std::string worth = lincurve_words(table, model, degrees ? "deg/s" : "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
     body += '\n' + io::comment_lines(fmt::format("{} from {}: {}", names[i], o.files[i], worth));
-    if (rotary) body += "# A rotary axis: its velocities are in deg/s, N stands for N m.\n";
+    if (rotary) {
+      body += "# A rotary axis: its velocities are in deg/s, N stands for N m.\n";
+    } else if (degrees) {
+      body += fmt::format(
+          "# LinuxCNC counts axis {} in degrees: its velocities are in deg/s. A file without rotary = true has forces in N and arcs at a "
+          "radius of {:g} mm.\n",
+          *file.axis, 1e3 * HalAxis{}.radius);
+    }
     if (model.load != 0.0)
       body += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
     body += lincurve_lines(names[i], table);
@@ -125,7 +145,7 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
                     {"file", o.files[i]},
                     {"max_error_N", table.max_error},
                     {"rms_error_N", table.rms_error},
-                    {rotary ? "points_deg_per_s_N" : "points_mm_per_s_N", point}});
+                    {degrees ? "points_deg_per_s_N" : "points_mm_per_s_N", point}});
   }
   out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
   return out + body;
@@ -142,6 +162,7 @@ std::string plants(const ExportRequest& o, const sim::Machine& machine) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     out +=
         fmt::format("\n# axis {}, largest force {:.6g} N\n", axes[i], machine.axes[i].second.force_limit());
+    out += unit_line(names[i], axes[i], machine.axes[i].second.rotary);
     out += plant_lines(names[i], machine.axes[i].second);
   }
   return out;

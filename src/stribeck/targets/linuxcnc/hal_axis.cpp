@@ -4,7 +4,16 @@
 
 namespace stribeck::targets::linuxcnc {
 
-bool angular(const HalAxis& a) { return a.letter.find_first_of("abc") != std::string::npos; }
+bool counts_degrees(std::string_view axis) {
+  return axis.size() == 1 && std::string_view("abcABC").find(axis) != std::string_view::npos;
+}
+
+double unit_of(std::string_view axis, bool rotary) {
+  if (rotary) return kPi / 180.0;
+  return counts_degrees(axis) ? HalAxis{}.radius * kPi / 180.0 : 1e-3;
+}
+
+bool angular(const HalAxis& a) { return counts_degrees(a.letter); }
 
 double unit_of(const HalAxis& a) { return angular(a) ? a.radius * kPi / 180.0 : 1e-3; }
 

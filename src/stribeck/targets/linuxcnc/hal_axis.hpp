@@ -25,6 +25,11 @@ struct HalAxis {
 
 using Axes = std::vector<HalAxis>;
 
+/// Whether LinuxCNC counts an axis of this name in degrees: a, b and c, small or capital.
+bool counts_degrees(std::string_view axis);
+/// Length [m] of one machine unit of an axis that is in no configuration: a millimetre, or a degree. An axis that a file calls rotary is
+/// carried at 1 m; one of the letters a, b or c without that word at the radius of HalAxis.
+double unit_of(std::string_view axis, bool rotary);
 bool angular(const HalAxis& a);
 /// Length [m] of one machine unit: a millimetre, or a degree at the radius of the axis.
 double unit_of(const HalAxis& a);

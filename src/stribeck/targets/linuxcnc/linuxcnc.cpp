@@ -7,6 +7,7 @@
 #include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/output_folder.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
@@ -33,6 +34,26 @@ using workflow::axis_and_file;
 using workflow::axis_index;
 using workflow::refuse_option;
 
+/// The model of an axis file, which must be of this axis of the machine.
+friction::AxisModel model_for(const sim::Machine& machine, std::size_t i, const std::string& machine_file,
+                              const std::string& file) {
+  const auto& [name, axis] = machine.axes[i];
+  const sim::AxisFile given = workflow::read_axis_file(file);
+  const std::string said = given.axis.value_or("");
+  if (!said.empty() && io::lower_case(said) != io::lower_case(name))
+    throw io::InputError(
+        {file, 0, "axis",
+         fmt::format("the file is of axis {}, expected one of axis {} of {} (give the file of that axis)",
+                     io::in_quotes(said), name, machine_file)});
+  if (given.rotary.value_or(false) != axis.rotary)
+    throw io::InputError(
+        {file, 0, "rotary",
+         fmt::format("the file is of a {} axis, but axis {} of {} is {} (give the file of that axis)",
+                     axis.rotary ? "linear" : "rotary", name, machine_file,
+                     axis.rotary ? "rotary" : "linear")});
+  return given.model;
+}
+
 /// Parameters of the controllers of each axis.
 std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Machine& machine) {
   const std::string& file = o.files.front();
@@ -40,7 +61,7 @@ std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Ma
   for (const std::string& text : o.axis_files) {
     const auto [axis, axis_file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, file, axis);
-    if (!given.emplace(i, workflow::read_axis_file(axis_file).model).second)
+    if (!given.emplace(i, model_for(machine, i, file, axis_file)).second)
       refuse_option("--axis-file", fmt::format("axis {} is given twice", machine.axes[i].first));
   }
   std::vector<friction::AxisModel> models(machine.axes.size());

@@ -10,6 +10,7 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/targets/linuxcnc/hal_axis.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
 
@@ -133,6 +134,13 @@ void write_for_velocity(const Axis& axis, const PidNumbers& n, Form& form) {
 }
 
 Form pid_form(const Axis& axis) {
+  if (linuxcnc::counts_degrees(axis.said))
+    throw io::InputError(
+        {axis.file, 0, "axis",
+         fmt::format(
+             "is {}, which LinuxCNC counts in degrees, and pid writes its numbers in mm (choose --to linuxcnc; if this axis is "
+             "linear, give axis its name in the control)",
+             axis.said)});
   if (takes_velocity(axis) && axis.model.drive_loop->mode == friction::DriveMode::kPosition)
     throw io::InputError(
         {axis.file, 0, "drive_loop.mode",

@@ -211,5 +211,13 @@ TEST(Pid, LinuxCncsOwnComponentsMakeTheCommandOfAVelocityDrive) {
   EXPECT_NEAR(command, 40.0, 1e-3);  // the integral part of the drive holds the rest
 }
 
+// LinuxCNC counts the joints of a, b and c in degrees; the numbers of pid are in mm.
+TEST(Pid, AnAxisThatIsCountedInDegreesIsRefused) {
+  SteadyExport a(std::string("axis = \"a\"\n") + kSteadyAxis);
+  EXPECT_THAT(a.refusal("pid"), HasSubstr("axis: is a, which LinuxCNC counts in degrees"));
+  SteadyExport u(std::string("axis = \"u\"\n") + kSteadyAxis);
+  EXPECT_EQ(u.refusal("pid"), "accepted");
+}
+
 }  // namespace
 }  // namespace stribeck::test::pid_test

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/pulse/test_export.hpp>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace stribeck::test::circle_test {
 namespace {
@@ -47,6 +51,27 @@ TEST(Circle, WordsWarnOfALessRoundCircle) {
   EXPECT_THAT(words(0.5, 1.1),
               HasSubstr("Warning: the circular deviation is no smaller with it than without"));
   EXPECT_THAT(words(1.1, 1.1), HasSubstr("Warning: with it the peaks are larger than without"));
+}
+
+// A list of gains is in the order of the axes x, y, z: the files may be given in another one.
+TEST(Circle, EachAxisHasItsOwnGains) {
+  const PulseExport x("tnc", kBristles);
+  targets::PulseTask task = task_of(x);
+  friction::AxisModel heavy = task.axes[0];
+  heavy.mass *= 4.0;
+  const friction::AxisModel light = task.axes[0];
+  auto& law = std::get<control::CascadeParams>(task.loop.law);
+  const auto peak = [&](std::vector<std::size_t> numbers, const control::PerAxis& position_gain) {
+    task.axes = {heavy, light};
+    task.numbers = std::move(numbers);
+    law.position_gain = position_gain;
+    return targets::user_circle(task).without.quadrant;
+  };
+  const double in_order = peak({0, 1}, {20.0, 40.0});
+  EXPECT_NEAR(peak({1, 0}, {40.0, 20.0}), in_order, 1e-12);
+  // More gains than files: y and z have the second and the third.
+  EXPECT_NEAR(peak({1, 2}, {80.0, 20.0, 40.0}), in_order, 1e-12);
+  EXPECT_GT(std::abs(peak({0, 1}, {40.0, 20.0}) - in_order), 1e-6);
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ WrittenPulse write_stages(const PulseTask& t, std::size_t axis) {
       return pulse_of(with, t, axis);
     });
   }
-  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes);
+  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes,
+                                          t.search_progress("fanuc", axis));
   TwoStages best = all[found.shape];
   best.amount = constant_amplitude(points_of(found));
   WrittenPulse w;

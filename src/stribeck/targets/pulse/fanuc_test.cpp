@@ -29,7 +29,15 @@ TEST(Fanuc, TheParametersAreReadBackToTheirRounding) {
 
 TEST(Fanuc, WritesWhatTakesMostOfTheQuadrantErrorAway) {
   PulseExport x("fanuc", kBristles);
+  std::size_t calls = 0, last = 0, all = 0;
+  x.request.progress = [&](std::string_view what, std::size_t done, std::size_t of) {
+    EXPECT_EQ(what, "fanuc X: circles");
+    EXPECT_EQ(done, last + 1);
+    ++calls, last = done, all = of;
+  };
   const targets::Exported written = x.write();
+  EXPECT_GT(calls, 20U);
+  EXPECT_EQ(last, all);
   const auto& circle = written.json["circle"];
   const double without = circle["without"]["quadrant_um"];
   EXPECT_GT(without, 3.0);

@@ -213,6 +213,7 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   if (!o.resolution.empty()) refuse("--resolution");
   if (!o.zero.empty()) refuse("--zero");
   PulseTask t;
+  t.progress = o.progress;
   t.names = axis_names(axis_name, o);
   t.numbers = axis_numbers(axes_in_files(o));
   std::vector<sim::AxisFile> files;
@@ -251,7 +252,15 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
 UserCircle user_circle(const PulseTask& t) {
   const std::size_t second = t.axes.size() > 1 ? 1 : 0;
   const std::array known{t.axes[0], t.axes[second]};
-  const CircleAxes axes{t.machine ? *t.machine : machine_of(known, t.period), known, t.loop};
+  // Each axis of the circle has its own gains, which the lists of the controller file need not hold in the order of the axis files.
+  sim::ControllerSpec loop = t.loop;
+  auto& law = std::get<control::CascadeParams>(loop.law);
+  const auto one = std::get<control::CascadeParams>(with_gains_of(t, 0).loop.law);
+  const auto other = std::get<control::CascadeParams>(with_gains_of(t, second).loop.law);
+  law.position_gain = {one.position_gain[0], other.position_gain[0]};
+  law.velocity_gain = {one.velocity_gain[0], other.velocity_gain[0]};
+  law.integral_time = {one.integral_time[0], other.integral_time[0]};
+  const CircleAxes axes{t.machine ? *t.machine : machine_of(known, t.period), known, loop};
   UserCircle c{Circle(axes, t.radius, t.feed, 2.0),
                {},
                {},
@@ -343,6 +352,12 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
                            found.left_out + found.rows.size(), found.why);
   w.json["residual_mm_per_min"] = residual;
   w.json["grid"] = grid;
+}
+
+SearchProgress PulseTask::search_progress(std::string_view target, std::size_t axis) const {
+  if (!progress) return {};
+  return [tell = progress, what = fmt::format("{} {}: circles", target, names[axis])](
+             std::size_t done, std::size_t all) { tell(what, done, all); };
 }
 
 PulseTask with_gains_of(PulseTask t, std::size_t axis) {

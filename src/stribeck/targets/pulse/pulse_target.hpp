@@ -25,8 +25,11 @@ struct PulseTask {
   double radius = 0.0;
   double feed = 0.0;
   std::optional<sim::Machine> machine;
+  ExportProgress progress;  ///< may be empty
 
   [[nodiscard]] double integral_time() const;  ///< of the velocity loop [s]
+  /// That of the search for one axis of a target.
+  [[nodiscard]] SearchProgress search_progress(std::string_view target, std::size_t axis) const;
 };
 
 using AxisNamer = std::string (*)(std::size_t axis);

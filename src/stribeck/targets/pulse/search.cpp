@@ -89,7 +89,8 @@ std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::C
 }
 
 PulseSearch search_pulses(const friction::AxisModel& axis, const sim::ControllerSpec& loop, double period,
-                          double radius, double feed, const std::vector<PulseShape>& shapes) {
+                          double radius, double feed, const std::vector<PulseShape>& shapes,
+                          const SearchProgress& progress) {
   const CircleAxes axes{machine_of({axis, axis}, period), {axis, axis}, loop};
   const control::CascadeParams& cascade = axes.cascade();
   const double most = too_large(axis, cascade, feed);
@@ -103,17 +104,23 @@ PulseSearch search_pulses(const friction::AxisModel& axis, const sim::Controller
         1e3 * radius, 1e3 * feed, own.work(), own.substeps(), 1e3 * period));
   }
   std::vector<PulseRow> tried(shapes.size());
-  sim::parallel_for(shapes.size(), 0, nothing, [&](int, std::size_t i) {
+  std::vector<PulseRow> rows(kRadii.size() * kFeeds.size());
+  const auto tell = [&](std::size_t before) {
+    return [&progress, before, all = tried.size() + rows.size()](std::size_t done, std::size_t) {
+      if (progress) progress(before + done, all);
+    };
+  };
+  const auto try_shape = [&](int, std::size_t i) {
     Circle circle(axes, radius, feed, kPart, own.substeps());
     tried[i] = best_of(circle, most, shapes[i]);
-  });
+  };
+  sim::parallel_for(shapes.size(), 0, nothing, try_shape, tell(0));
   const auto best = std::min_element(tried.begin(), tried.end(),
                                      [](const PulseRow& a, const PulseRow& b) { return a.cost < b.cost; });
   PulseSearch found;
   found.shape = static_cast<std::size_t>(best - tried.begin());
-  std::vector<PulseRow> rows(kRadii.size() * kFeeds.size());
   std::vector<std::string> refused(rows.size());
-  sim::parallel_for(rows.size(), 0, nothing, [&](int, std::size_t i) {
+  const auto try_circle = [&](int, std::size_t i) {
     const double share_of_radius = kRadii[i / kFeeds.size()];
     const double share_of_feed = kFeeds[i % kFeeds.size()];
     const double r = radius * share_of_radius;
@@ -136,7 +143,8 @@ PulseSearch search_pulses(const friction::AxisModel& axis, const sim::Controller
       if (i == 0) throw;  // the user's own circle
       refused[i] = e.what();
     }
-  });
+  };
+  sim::parallel_for(rows.size(), 0, nothing, try_circle, tell(tried.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (refused[i].empty()) {
       found.rows.push_back(rows[i]);

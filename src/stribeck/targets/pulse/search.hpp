@@ -39,10 +39,14 @@ inline constexpr std::array kPulseTimes{0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0
 /// Force by which steady friction changes at a reversal [N], of slow motion: a thousandth of the feed.
 double jump_of_friction(const friction::AxisModel& axis, double feed) noexcept;
 
+/// Circles done, and in all.
+using SearchProgress = std::function<void(std::size_t done, std::size_t all)>;
+
 /// radius, feed: the user's circle, the largest and fastest of the grid. Throws sim::Refused where the loop does not follow that circle,
 /// or its simulation would take too long.
 PulseSearch search_pulses(const friction::AxisModel& axis, const sim::ControllerSpec& loop, double period,
-                          double radius, double feed, const std::vector<PulseShape>& shapes);
+                          double radius, double feed, const std::vector<PulseShape>& shapes,
+                          const SearchProgress& progress = {});
 
 /// The errors with one pulse on the circles of rows.
 std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::ControllerSpec& loop,

@@ -21,7 +21,8 @@ WrittenPulse write_qec(const PulseTask& t, std::size_t axis) {
       return Pulse{[amplitude](double) { return amplitude; }, time};
     });
   }
-  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes);
+  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes,
+                                          t.search_progress("sinumerik", axis));
   WrittenPulse w;
   w.text = archive_text(nearest_qec(points_of(found), kPulseTimes[found.shape] * t.integral_time()),
                         t.names[axis]);

@@ -29,7 +29,8 @@ WrittenPulse write_spikes(const PulseTask& t, std::size_t axis) {
   for (const double time : kPulseTimes) {
     shapes.emplace_back([time = time * t.integral_time()](double speed) { return spike_pulse(speed, time); });
   }
-  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes);
+  const PulseSearch found =
+      search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes, t.search_progress("tnc", axis));
   const double speed = constant_amplitude(points_of(found));
   const double time = kPulseTimes[found.shape] * t.integral_time();
   WrittenPulse w;

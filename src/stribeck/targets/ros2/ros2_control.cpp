@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <stribeck/targets/ros2/source.hpp>
+#include <stribeck/targets/steady/drive_words.hpp>
 #include <stribeck/targets/steady/table_source.hpp>
 
 namespace stribeck::targets {
@@ -80,9 +81,11 @@ Form ros2_form(const Axis& axis) {
                list_line("force_negative", forces_of(negative), u.force) + joint_periodic(axis, u) +
                joint_spring(axis, u);
   form.to_do =
-      "Give the YAML file to the controller manager, and friction_feedforward.cpp to a package of yours; its head tells what else the "
-      "package needs. The controller before it writes effort and the commanded velocity into its references. Nothing here was tried "
-      "under ROS. Check first that at a constant positive velocity it adds a positive effort.";
+      std::string(
+          "Give the YAML file to the controller manager, and friction_feedforward.cpp to a package of yours; its head tells what else the "
+          "package needs. The controller before it writes effort and the commanded velocity into its references. Nothing here was tried "
+          "under ROS. Check first that at a constant positive velocity it adds a positive effort.") +
+      words_of_drive_loop(axis);
   return form;
 }
 

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include <stribeck/io/error.hpp>
+#include <stribeck/targets/steady/drive_words.hpp>
 #include <stribeck/targets/steady/table_source.hpp>
 
 namespace stribeck::targets {
@@ -131,17 +133,38 @@ Form write_c(const Axis& axis) {
   form.text += form.bristles ? force_with_memory(n, *form.bristles) : plain_force(n);
   form.to_do =
       form.bristles
-          ? "Include the file, keep a struct NAME_memory for each axis, call NAME_force() once in every cycle with the commanded motion, and add "
-            "it to the force of the position loop. Check its sign first: at a constant positive velocity it must push in the positive direction."
-          : "Include the file and add NAME_force() of the commanded motion to the force of the position loop. Check its sign first: "
-            "at a constant positive velocity it must push in the positive direction.";
+          ? "Include the file, keep a struct NAME_memory for each axis, call NAME_force() once in every "
+            "cycle with the commanded motion, and add it to "
+          : "Include the file and add NAME_force() of the commanded motion to ";
+  form.to_do +=
+      place_of_force(axis, "the force of the position loop") +
+      ". Check its sign first: at a constant positive velocity it must push in the positive direction." +
+      words_of_drive_loop(axis);
   return form;
+}
+
+/// Beside axis x, whose table is x_positive_force, the function of an axis x_positive would have the same name.
+void check_c_names(const std::vector<Axis>& axes) {
+  for (const Axis& one : axes) {
+    for (const Axis& other : axes) {
+      if (other.name == one.name + "_positive" || other.name == one.name + "_negative")
+        throw io::InputError(
+            {other.file, 0, "axis",
+             fmt::format(
+                 "{0}_force of axis {0} would be the name of a table of axis {1} (give another name, --name)",
+                 other.name, one.name)});
+    }
+  }
 }
 
 }  // namespace
 
 extern const SteadyTarget kC;
-const SteadyTarget kC{
-    .name = "c", .what = "C source with fixed tables", .comment = "/*", .write = write_c, .on_circle = true};
+const SteadyTarget kC{.name = "c",
+                      .what = "C source with fixed tables",
+                      .comment = "/*",
+                      .write = write_c,
+                      .on_circle = true,
+                      .check_names = check_c_names};
 
 }  // namespace stribeck::targets

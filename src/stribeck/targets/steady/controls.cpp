@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include <stribeck/ident/shown.hpp>
+#include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
+#include <stribeck/targets/steady/drive_words.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -32,32 +34,58 @@ Levels levels_of(const Axis& axis, double step, bool both) {
   return l;
 }
 
-/// Points over the speed for both directions, forces in the control's unit with the given decimals.
-std::vector<Corner> rounded_points(const Axis& axis, std::size_t points, int decimals) {
-  std::vector<Corner> out = nearest_points(axis, points);
-  for (Corner& c : out) c.y = axis.gain * std::stod(fmt::format("{:.{}f}", c.y / axis.gain, decimals));
-  return out;
+/// The forces of a table as the ISG kernel takes them: whole numbers, times a scaling factor in 0.1 %.
+struct IsgScale {
+  int factor = 1000;  ///< frict_comp.scaling_factor
+  double unit = 1.0;  ///< force of a one in the table [N]
+};
+
+/// The largest factor with which a thousand steps remain below the largest force. With 1 they are thousandths of the control's unit.
+IsgScale isg_scale(const Axis& axis, const std::vector<Corner>& points) {
+  constexpr double kSteps = 1000.0;
+  constexpr double kMost = 2147483647.0;  // SGN32
+  double largest = 0.0;
+  for (const Corner& c : points) largest = std::max(largest, std::abs(c.y));
+  IsgScale scale{1000, axis.gain};
+  while (scale.factor > 1 && largest < kSteps * scale.unit) {
+    scale.factor /= 10;
+    scale.unit *= 0.1;
+  }
+  if (!(largest <= kMost * scale.unit))
+    workflow::refuse_option(
+        "--gain",
+        fmt::format(
+            "friction would be frict_comp.table[].out = {:.4g}, expected at most {:.0f} (check the gain)",
+            largest / scale.unit, kMost));
+  return scale;
 }
 
 Form isg(const Axis& axis) {
   constexpr std::size_t kMost = 20;
-  std::vector<Corner> points = rounded_points(axis, kMost, 3);
+  std::vector<Corner> points = nearest_points(axis, kMost);
+  const IsgScale scale = isg_scale(axis, points);
   double last = -1.0;
   for (Corner& c : points) {
     last = std::max(std::round(1e6 * c.x), last + 1.0);  // two points of one speed would be a step
     c.x = 1e-6 * last;
+    c.y = scale.unit * std::round(c.y / scale.unit);
   }
   Form form;
+  form.text =
+      fmt::format("frict_comp.mode    3\nfrict_comp.table_entries    {}\nfrict_comp.scaling_factor    {}\n",
+                  points.size(), scale.factor);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    form.text += fmt::format("frict_comp.table[{0}].in    {1:.0f}\nfrict_comp.table[{0}].out   {2:.3f}\n", i,
-                             1e6 * points[i].x, points[i].y / axis.gain);
+    form.text += fmt::format("frict_comp.table[{0}].in    {1:.0f}\nfrict_comp.table[{0}].out   {2:.0f}\n", i,
+                             1e6 * points[i].x, points[i].y / scale.unit);
   }
   form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
   form.to_do = fmt::format(
-      "Goes into the axis parameter list, with P-AXIS-00522 on; .in counts µm/s, .out counts {}. Check first in which unit the drive "
-      "takes the additive current. reversal_lookahead and position_delay come with --controller, which tells the loop, or are found on the "
-      "circle; position_delay counts 0.1 µm here: check that in the manual of the control, because its pages differ.",
-      axis.unit);
+      "Goes into the compensation value list of the axis; in the axis parameter list, lr_param.frict_comp 1 (P-AXIS-00522) switches it on. "
+      ".in counts µm/s, .out steps of {:g} {}: whole numbers, because builds before V3.1.3132.0 (ISG V4.29.0) take no others; scaling_factor, in "
+      "0.1 %, brings them to {}. Check first in which unit the drive takes the additive current. reversal_lookahead and position_delay come with "
+      "--controller, which tells the loop, or are found on the circle. position_delay counts 0.1 µm; the pages of the maker permit 0 to 10 and "
+      "have 30 in an example: where a larger number is written, check whether your build takes it.{}",
+      1e-3 * scale.factor, axis.unit, axis.unit, words_of_drive_loop(axis));
   return form;
 }
 
@@ -68,8 +96,12 @@ std::string isg_build_up(TableForce& table, double period) {
   const double distance = std::round(table.build_up / kUnit);
   table.look_ahead = cycles * period;
   table.build_up = distance * kUnit;
-  return fmt::format("frict_comp.reversal_lookahead   {:.0f}\nfrict_comp.position_delay   {:.0f}\n", cycles,
-                     distance);
+  constexpr double kPermitted = 10.0;
+  return fmt::format(
+      "frict_comp.reversal_lookahead   {:.0f}\nfrict_comp.position_delay   {:.0f}\n{}", cycles, distance,
+      distance > kPermitted
+          ? "# position_delay: the pages of the maker permit 0 to 10, check whether your build takes more\n"
+          : "");
 }
 
 Form ax8000(const Axis& axis) {
@@ -82,9 +114,16 @@ Form ax8000(const Axis& axis) {
   form.text = fmt::format("3144:03 = {:.6g} (N m s/rad, dynamic friction factor)\n", factor);
   form.held = [=](double v) { return motors * factor / (radius * radius) * v; };
   form.to_do = fmt::format(
-      "Goes into object 3144:03 of the AX8000. It holds viscous friction alone: {} that do not grow with the speed are not in it. The "
-      "torque offset of --to cia402 is the whole friction: use that one or this one, not both. 3141:08 shows the feed-forward that acts.",
-      ident::Shown("m", "N", axis.rotary).force(line.level));
+      "Goes into object 3144:03 of the AX8000, which holds what grows with the speed. The {} that do not grow with it belong to "
+      "3144:02, static friction torque: {} N m at {}. With 3144:01, static friction spring rate, it is not written: check first in "
+      "the manual how the drive lets both act at a reversal. The torque offset of --to cia402 is the whole friction: use that one or these objects, not both. "
+      "3141:08 shows the feed-forward that acts.{}",
+      ident::Shown("m", "N", axis.rotary).force(line.level),
+      report::significant(line.level * radius / motors, 4),
+      motors > 1 ? fmt::format("each of the {} motors", motors) : "the motor",
+      motors > 1 ? fmt::format(" The factor is that of one motor too: {} says that the axis has {}.",
+                               axis.file, motors)
+                 : "");
   return form;
 }
 
@@ -112,19 +151,24 @@ Form keba(const Axis& axis) {
   }
   form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
   form.to_do =
-      "Goes into the friction table of the ServoOne (indexes 0 to 4). Check first that the table counts in the unit of --gain; "
+      "Goes into the friction table of the ServoOne: CON_SCON_TFric (ID 386) in % of the rated torque of the motor, at the speeds of CON_SCON_TFricSpeed "
+      "(ID 387) in rpm, indexes 0 to 4. The load is not in it: its place is CON_SCON_TConst (ID 388). Check first with half the values on the circle; "
       "indexes 3 and 4 act while accelerating alone.";
   return form;
 }
 
 Form mitsubishi(const Axis& axis) {
   // The standard setting is twice the friction torque; the step at the reversal is from −F to F.
+  constexpr double kMost = 100.0;  // half of the 200 that the manual permits
   Levels l = levels_of(axis, 0.5, false);
-  // SV041 = 0 means the value of SV016.
-  if (l.negative == 0.0 && l.positive != 0.0) l.negative = 0.5;
+  const double wanted = std::max(l.positive, l.negative);
+  l.positive = std::min(l.positive, kMost);
+  l.negative = std::min(l.negative, kMost);
+  // −1 is a direction without compensation; SV041 = 0 would mean the value of SV016.
+  const auto number = [](double level) { return level == 0.0 ? -1.0 : 2.0 * level; };
   Form form;
-  form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = {:.0f}\n", 2.0 * l.positive,
-                          l.positive == l.negative ? 0.0 : 2.0 * l.negative);
+  form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = {:.0f}\n", number(l.positive),
+                          l.positive == l.negative ? 0.0 : number(l.negative));
   form.held = [l, unit = axis.gain](double v) {
     return signed_force(unit * (v < 0.0 ? l.negative : l.positive), v);
   };
@@ -133,6 +177,10 @@ Form mitsubishi(const Axis& axis) {
       "the speed. Check first with "
       "half the value on the circle: too much cuts into the contour.",
       axis.unit);
+  if (wanted > kMost)
+    form.to_do += fmt::format(
+        " Axis {} would need {:.0f}, and the parameter takes at most 200, which is written: check --gain.",
+        axis.name, 2.0 * wanted);
   return form;
 }
 
@@ -178,8 +226,12 @@ extern const SteadyTarget kAx8000;
 const SteadyTarget kAx8000{"ax8000", "viscous friction factor of the AX8000", "#", SteadyNeeds::kLead,
                            ax8000};
 extern const SteadyTarget kKeba;
-const SteadyTarget kKeba{"keba", "friction table of the ServoOne, 5 points", "#", SteadyNeeds::kGainAndLead,
-                         keba};
+const SteadyTarget kKeba{.name = "keba",
+                         .what = "friction table of the ServoOne, 5 points",
+                         .comment = "#",
+                         .needs = SteadyNeeds::kGainAndLead,
+                         .write = keba,
+                         .counts = GainUnit::kPercent};
 extern const SteadyTarget kMitsubishi;
 const SteadyTarget kMitsubishi{.name = "mitsubishi",
                                .what = "lost-motion compensation type 2, SV016 and SV041",

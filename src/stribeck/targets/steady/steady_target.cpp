@@ -101,6 +101,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.name = name;
   a.file = o.files[i];
   const auto file = workflow::read_axis_file(a.file);
+  a.said = file.axis.value_or("");
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
   a.fastest = a.identified = file.identified_speed().value_or(0.0);
@@ -169,9 +170,10 @@ void check_needs(const SteadyTarget& t, const ExportRequest& o) {
     refuse_option(
         "--gain",
         fmt::format(
-            "missing: {} counts in a unit of its own; say the force of one, e.g. \"12.5 N/%\" (an axis file that identify wrote with a "
-            "machine file that has [axes.NAME.drive] says it itself)",
-            t.name));
+            "missing: {} counts in a unit of its own; say the force of one, e.g. {}", t.name,
+            t.counts == GainUnit::kBits
+                ? "\"120 N/V\" (no axis file says it: the full output of the converter is mostly the peak of the drive)"
+                : "\"12.5 N/%\" (an axis file that identify wrote with a machine file that has [axes.NAME.drive] says it itself)"));
   }
   if (!missing.empty())
     refuse_option(
@@ -385,6 +387,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     if (task && target.build_up != nullptr) add_build_up(target, with_gains_of(*task, i), i, axis, w);
     axes.push_back(axis);
   }
+  if (target.check_names != nullptr) target.check_names(axes);
   const std::string head = target.head == nullptr ? std::string() : target.head(axes);
   w.text = remark(target.comment, "Written by: " + o.command) + std::string(target.begin) + head + w.text +
            std::string(target.end);

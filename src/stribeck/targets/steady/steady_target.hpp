@@ -30,6 +30,7 @@ struct PulseTask;
 struct Axis {
   std::string name;
   std::string file;
+  std::string said;  ///< what the file calls the axis; empty: it does not say it
   friction::AxisModel model;
   bool rotary = false;      ///< carried at a radius of 1 m
   double slowest = 0.0;     ///< smallest speed that counts [m/s]
@@ -108,6 +109,8 @@ struct SteadyTarget {
   bool on_circle = false;
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
+  /// Refuses names of axes that the target cannot hold beside each other; null: it holds all.
+  void (*check_names)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
   bool takes_gain = false;   ///< --gain may be given, though nothing needs it
   bool takes_lead = false;   ///< the same of --lead

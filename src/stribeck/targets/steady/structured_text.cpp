@@ -1,6 +1,10 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
+#include <stribeck/targets/steady/drive_words.hpp>
 #include <stribeck/targets/steady/table_source.hpp>
 
 namespace stribeck::targets {
@@ -152,8 +156,10 @@ Form write_structured_text(const Axis& axis) {
   form.held = [tables](double v) { return tables.at(v); };
   form.text = block_of(axis, tables, "LREAL", "force := F;\n");
   form.to_do =
-      "Declare an instance of NAME_force, call it once in every cycle with the commanded motion, and add its output force to the force of "
-      "the axis. Check its sign first: at a constant positive velocity it must push in the positive direction.";
+      "Declare an instance of NAME_force, call it once in every cycle with the commanded motion, and add its output force to " +
+      place_of_force(axis, "the force of the axis") +
+      ". Check its sign first: at a constant positive velocity it must push in the positive direction." +
+      words_of_drive_loop(axis);
   return form;
 }
 
@@ -182,6 +188,29 @@ Form write_per_mille(const Axis& axis) {
   return form;
 }
 
+/// IEC 61131-3 ignores the case of names and permits no two underscores in a row; NAME_force begins with that of the axis.
+void check_block_names(const std::vector<Axis>& axes) {
+  std::vector<std::string> known;
+  for (const Axis& axis : axes) {
+    if (axis.name.find("__") != std::string::npos || axis.name.ends_with('_'))
+      throw io::InputError(
+          {axis.file, 0, "axis",
+           fmt::format(
+               "{}_force would have two underscores in a row, which IEC 61131-3 does not permit (give "
+               "another name, --name)",
+               axis.name)});
+    const std::string plain = io::lower_case(axis.name);
+    if (std::find(known.begin(), known.end(), plain) != known.end())
+      throw io::InputError(
+          {axis.file, 0, "axis",
+           fmt::format(
+               "a second axis is called {}: IEC 61131-3 does not distinguish small and capital letters "
+               "(give another name, --name)",
+               axis.name)});
+    known.push_back(plain);
+  }
+}
+
 }  // namespace
 
 extern const SteadyTarget kStructuredText;
@@ -189,7 +218,8 @@ const SteadyTarget kStructuredText{.name = "structured-text",
                                    .what = "function block for a PLC after IEC 61131-3",
                                    .comment = "(*",
                                    .write = write_structured_text,
-                                   .on_circle = true};
+                                   .on_circle = true,
+                                   .check_names = check_block_names};
 extern const SteadyTarget kCia402;
 const SteadyTarget kCia402{.name = "cia402",
                            .what = "torque offset 60B2h in per mille, as Structured Text",
@@ -197,6 +227,7 @@ const SteadyTarget kCia402{.name = "cia402",
                            .needs = SteadyNeeds::kGain,
                            .write = write_per_mille,
                            .on_circle = true,
+                           .check_names = check_block_names,
                            .counts = GainUnit::kPerMille};
 
 }  // namespace stribeck::targets

@@ -11,6 +11,9 @@
 #include <stribeck/friction/lugre.hpp>
 #include <stribeck/targets/pulse/test_export.hpp>
 #include <stribeck/targets/steady/test_export.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace stribeck::test::structured_text_test {
 namespace {
@@ -206,6 +209,26 @@ TEST(StructuredText, TheCircleHasWhatTheBristlesGain) {
   const auto circle = x.write().json["circle"];
   EXPECT_LT(circle["pulse"]["quadrant_um"].get<double>(),
             0.15 * circle["without"]["quadrant_um"].get<double>());
+}
+
+// IEC 61131-3 ignores case and has no two underscores in a row; in C x_positive_force would be declared twice.
+TEST(StructuredText, NamesThatDoNotCompileAreRefused) {
+  SteadyExport x;
+  const auto refusal = [&](const char* target, std::vector<std::string> names) {
+    x.request.files.resize(names.size(), x.request.files.front());
+    x.request.gain = std::string(target) == "cia402" ? "12 N/%" : "";
+    x.request.names = std::move(names);
+    return x.refusal(target);
+  };
+  for (const char* target : {"structured-text", "cia402"}) {
+    EXPECT_THAT(refusal(target, {"x", "X"}), HasSubstr("axis: a second axis is called X"));
+    EXPECT_THAT(refusal(target, {"x_"}), HasSubstr("axis: x__force would have two underscores in a row"));
+    EXPECT_THAT(refusal(target, {"y__1"}), HasSubstr("two underscores in a row"));
+    EXPECT_EQ(refusal(target, {"x", "x_1"}), "accepted");
+  }
+  EXPECT_THAT(refusal("c", {"x", "x_positive"}),
+              HasSubstr("axis: x_positive_force of axis x_positive would be the name of a table of axis x"));
+  EXPECT_EQ(refusal("c", {"x", "X", "x_1"}), "accepted");
 }
 
 }  // namespace
