@@ -39,14 +39,31 @@ std::string log_text(double omega, double coulomb, std::uint32_t seed, double be
   return text;
 }
 
+/// The machine file of a real axis x, without the truth of a virtual one.
+std::string real_machine(const std::string& drive) {
+  return R"(name = "gantry"
+sample_time = "2 ms"
+[axes.x.limits]
+travel_min = "-100 mm"
+travel_max = "100 mm"
+speed = "500 mm/s"
+acceleration = "2000 mm/s2"
+force = "3000 N"
+[axes.x.commissioning]
+mass = "100 kg"
+friction = "20 N"
+)" + drive;
+}
 /// A folder with logs/, and the command on it.
 struct Stages {
   Folder folder;
 
+  std::string machine = folder.write("machine.toml", real_machine(""));
+
   Stages() { std::filesystem::create_directory(folder / "logs"); }
   void log(const std::string& name, const std::string& text) const { folder.write("logs/" + name, text); }
   [[nodiscard]] Said run(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"commission", kMachine,        "--logs", folder / "logs",
+    std::vector<std::string> words{"commission", machine,         "--logs", folder / "logs",
                                    "-o",         folder / "axes", "--axis", "x"};
     words.insert(words.end(), more.begin(), more.end());
     return command(words);
@@ -179,21 +196,6 @@ TEST(Commission, DoesNotReplaceAFileThatIsNotItsOwn) {
   EXPECT_EQ(text_of(stages.folder / "axes/x.toml"), "mine\n");
 }
 
-/// The machine file of a real axis x, without the truth of a virtual one.
-std::string real_machine(const std::string& drive) {
-  return R"(name = "gantry"
-sample_time = "2 ms"
-[axes.x.limits]
-travel_min = "-100 mm"
-travel_max = "100 mm"
-speed = "500 mm/s"
-acceleration = "2000 mm/s2"
-force = "3000 N"
-[axes.x.commissioning]
-mass = "100 kg"
-friction = "20 N"
-)" + drive;
-}
 const std::string kRealDrive = R"([axes.x.drive]
 rated_torque = "1.5 N m"
 lead = "10 mm"
@@ -217,6 +219,126 @@ std::string drive_log(double omega, double coulomb, std::uint32_t seed) {
     before = x;
   }
   return text;
+}
+
+// A scale of the force that is four times too large is in the held-out log too: the model was "ready", and the next command an export.
+TEST(Commission, AMassThatTheMachineContradictsIsNotPromoted) {
+  const Stages stages;
+  std::string drive = kRealDrive;
+  drive.replace(drive.find("1.5 N m"), 7, "6.0 N m");
+  const std::string machine = stages.folder.write("real.toml", real_machine(drive));
+  stages.log("x-sine.csv", drive_log(3.0, 20.0, 1));
+  stages.log("x-verify.csv", drive_log(2.0, 20.0, 2));
+  const auto run = [&] {
+    return command({"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes"});
+  };
+  const Said said = run();
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("Axis x: refused"), HasSubstr("contradicts the machine file"),
+                              HasSubstr("next: correct "), Not(HasSubstr("export")),
+                              Not(HasSubstr("warning: the mass"))));
+  EXPECT_FALSE(std::filesystem::exists(stages.folder / "axes/x.toml"));
+}
+
+// The file says nothing of a load, which contradicts none: a press with a weight of 900 N was refused though all of its numbers were right.
+TEST(Commission, ALoadOfWhichTheFileSaysNothingIsAWarning) {
+  const Stages stages;
+  const auto hanging = [](double omega, std::uint32_t seed) {
+    std::istringstream rows(log_text(omega, 20.0, seed));
+    std::string text, row;
+    std::getline(rows, row);
+    text = row + "\n";
+    while (std::getline(rows, row)) {
+      const std::size_t comma = row.rfind(',');
+      text += fmt::format("{},{:.6f}\n", row.substr(0, comma), std::stod(row.substr(comma + 1)) + 150.0);
+    }
+    return text;
+  };
+  stages.log("x-sine.csv", hanging(3.0, 1));
+  stages.log("x-verify.csv", hanging(2.0, 2));
+  const auto run = [&](const std::string& machine) {
+    return command({"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes"});
+  };
+  std::string text = real_machine("");
+  const Said silent = run(stages.folder.write("silent.toml", text));
+  EXPECT_THAT(silent.out, AllOf(HasSubstr("Axis x: ready"), HasSubstr("the log shows a load of")));
+  const std::size_t key = text.find("friction = ");
+  ASSERT_NE(key, std::string::npos);
+  text.insert(key, "load = \"0 N\"\n");
+  const Said told = run(stages.folder.write("told.toml", text));
+  EXPECT_THAT(told.out, HasSubstr("Axis x: refused")) << told.err;
+}
+
+/// The machine of Stages with an axis y of the same data.
+std::string two_axes() {
+  std::string two = real_machine("");
+  two += two.substr(two.find("[axes.x.limits]"));
+  for (std::size_t at = two.rfind("axes.x"), n = 0; n < 2; ++n, at = two.rfind("axes.x")) two[at + 5] = 'y';
+  return two;
+}
+
+// y moves in one direction alone, which no axis file holds: the whole command ended with that, and x got nothing.
+TEST(Commission, AnAxisWithUnusableLogsDoesNotEndTheOthers) {
+  const Stages stages;
+  const std::string machine = stages.folder.write("two.toml", two_axes());
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  for (const int n : {1, 2}) {
+    std::mt19937 generator(static_cast<std::uint32_t>(n));
+    std::normal_distribution<double> noise(0.0, 0.2);
+    std::string text = "t [s],x [mm],f [N]\n";
+    for (int k = 0; k < 4000; ++k) {  // v = 20 + 10 (1 - cos w t) mm/s
+      const double w = 2.0 * n, t = 0.002 * k, m = t + 0.001,
+                   x = 30.0 * t - 10.0 / w * std::sin(w * t) - 90.0;
+      const double f = 100.0 * 0.01 * w * std::sin(w * m) + 200.0 * (0.03 - 0.01 * std::cos(w * m)) + 20.0;
+      text += fmt::format("{:.3f},{:.6f},{:.4f}\n", t, x, f + noise(generator));
+    }
+    stages.log(fmt::format("y-{}.csv", n), text);
+  }
+  std::filesystem::create_directory(stages.folder / "axes");
+  stages.folder.write("axes/y.toml", "of earlier logs\n");
+  const Said said =
+      command({"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes"});
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("Axis x: ready"), HasSubstr("Axis y: refused"),
+                              HasSubstr("y.toml is still that of earlier logs")));
+  // 77 of 500 mm/s.
+  EXPECT_THAT(said.out, HasSubstr("mm/s is not known, and the axis may move at 500 mm/s"));
+}
+
+// Without a log too: an old file was left there without a word.
+TEST(Commission, AnOldAxisFileIsNamedAtEveryStage) {
+  Stages stages;
+  stages.machine = stages.folder.write("two.toml", two_axes());
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  ASSERT_EQ(stages.run().code, 0);
+  std::filesystem::remove(stages.folder / "logs/x-verify.csv");
+  EXPECT_THAT(stages.run().out,
+              AllOf(HasSubstr("Axis x: not verified"), HasSubstr("is still that of earlier logs")));
+  std::filesystem::remove(stages.folder / "logs/x-sine.csv");
+  stages.log("y-sine.csv", log_text(3.0, 20.0, 1));
+  EXPECT_THAT(stages.run().out,
+              AllOf(HasSubstr("Axis x: no log"), HasSubstr("is still that of earlier logs")));
+}
+
+// A file named after x holds y too, which moved slowly meanwhile: its own motions were taken as recorded.
+TEST(Commission, AMotionOfAnotherAxisIsNotRecordedForThisOne) {
+  const Stages stages;
+  const std::string machine = stages.folder.write("two.toml", two_axes());
+  std::istringstream rows(log_text(3.0, 20.0, 1));
+  std::string text = "t [s],x_x [mm],f_x [N],x_y [mm],f_y [N]\n", row;
+  std::getline(rows, row);
+  for (int k = 0; std::getline(rows, row); ++k) {
+    double t = 0.0, r = 0.0, x = 0.0, f = 0.0;
+    EXPECT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &t, &r, &x, &f), 4);
+    text +=
+        fmt::format("{:.3f},{:.6f},{:.4f},{:.6f},{:.4f}\n", t, x, f, 2.0 * std::sin(t), 20.0 + 0.1 * (k % 3));
+  }
+  stages.log("x-constant-acceleration.csv", text);
+  const Said said =
+      command({"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes"});
+  EXPECT_THAT(said.out, HasSubstr("--axis y --method constant-acceleration")) << said.err;
 }
 
 TEST(Commission, TakesTheDriveOfTheMachineFileForLogsOfTheDrive) {

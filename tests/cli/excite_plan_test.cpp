@@ -1,7 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <stribeck/io/test_folder.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
@@ -51,6 +55,40 @@ std::string machine_with(const std::string& one, const std::string& other) {
   return text;
 }
 
+// Pulses were "in the worst case of friction and mass" on an axis that may be vertical.
+TEST(ExcitePlan, PulsesSayThatNoWeightMayPullTheAxis) {
+  const Folder folder;
+  const auto pulses = [&](const std::string& text) {
+    return command({"excite", folder.write("m.toml", text), "--axis", "z", "--method", "pulses", "-o",
+                    folder / "z.csv"});
+  };
+  const std::string plain = machine_with("x", "z");
+  const Said unsaid = pulses(plain);
+  EXPECT_EQ(unsaid.code, 0) << unsaid.err;
+  EXPECT_THAT(unsaid.out, HasSubstr("no weight may pull the axis"));
+  EXPECT_THAT(unsaid.out, HasSubstr("axes.z.commissioning.load, 0 N where nothing pulls"));
+  EXPECT_THAT(text_of(folder / "z.csv"), HasSubstr("no weight may pull the axis"));
+  EXPECT_THAT(pulses(plain + "commissioning.load = \"0 N\"\n").out, testing::Not(HasSubstr("no weight")));
+  EXPECT_THAT(
+      command({"excite", folder / "m.toml", "--axis", "z", "--method", "jog", "-o", folder / "j.csv"}).out,
+      testing::Not(HasSubstr("no weight")));
+}
+
+TEST(ExcitePlan, AMotorThatIsSlowerThanTheAxisIsSaid) {
+  const Folder folder;
+  const auto jog = [&](const std::string& speed) {
+    const std::string machine = folder.write(
+        "m.toml",
+        machine_with("x", "z") +
+            "drive.rated_torque = \"3 N m\"\ndrive.lead = \"10 mm\"\ndrive.peak_torque = \"20 N m\"\n" +
+            "drive.motor_speed = \"" + speed + "\"\n");
+    return command({"excite", machine, "--axis", "z", "--method", "jog", "-o", folder / "j.csv"}).out;
+  };
+  EXPECT_THAT(jog("600 rpm"),
+              HasSubstr("(drive.motor_speed) the motor moves the axis by 100 mm/s: lower limits.speed"));
+  EXPECT_THAT(jog("1200 rpm"), testing::Not(HasSubstr("motor_speed")));
+}
+
 // SINUMERIK calls axes X1, Z1, Y2; two may have one letter.
 TEST(ExciteGcode, OfAxesWithNumbersAndOfALathe) {
   const Folder folder;
@@ -62,13 +100,36 @@ TEST(ExciteGcode, OfAxesWithNumbersAndOfALathe) {
   const Said said = gcode(two, "X2");
   EXPECT_EQ(said.code, 0) << said.err;
   const std::string program = text_of(folder / "r.mpf");
-  EXPECT_THAT(program, HasSubstr("G71 G90 G94 G64\nG0 X2=125.000000\nG4 F1\nG1 X2="));
+  EXPECT_THAT(program, HasSubstr("G710 G90 G94 G64\nG0 X2=125.000000\nG4 F1\nG1 X2="));
   EXPECT_THAT(program, HasSubstr("\n; begins at 125 mm, at rest\n"));
+  EXPECT_THAT(program, HasSubstr("\n; counts in the coordinates of the machine: no work offset,"));
+  EXPECT_THAT(said.out, HasSubstr("counts in the coordinates of the machine: no work offset,"));
+  EXPECT_THAT(text_of(folder / "r.csv"),
+              HasSubstr("# coordinates: counts in the coordinates of the machine"));
   EXPECT_THAT(said.out, testing::Not(HasSubstr("lathe")));
   EXPECT_THAT(gcode(folder.write("lathe.toml", machine_with("x", "z")), "x").out,
               HasSubstr("A lathe may count X in diameter"));
   expect_refused(gcode(folder.write("named.toml", machine_with("x", "ram")), "ram"),
                  "rename the axis in the machine file");
+}
+
+// Controls count A in degrees; the file of the five-axis mill has arcs at a radius of 100 mm, of which 120 mm are 68.75 degrees.
+TEST(ExciteGcode, OfARotaryLetterIsInDegrees) {
+  const Folder folder;
+  const Said said =
+      command({"excite", std::string(STRIBECK_SOURCE_DIR) + "/machines/five-axis-mill.toml", "--axis", "a",
+               "--method", "jog", "-o", folder / "r.csv", "--gcode", folder / "a.ngc"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("one degree is 1.745 mm of the file"));
+  std::istringstream program(text_of(folder / "a.ngc"));
+  double most = 0.0;
+  for (std::string line; std::getline(program, line);) {
+    double at = 0.0;
+    if (std::sscanf(line.c_str(), "G1 A%lf F", &at) == 1) most = std::max(most, std::abs(at));
+  }
+  EXPECT_GT(most, 60.0);
+  EXPECT_LT(most, 68.755);
+  EXPECT_THAT(text_of(folder / "a.ngc"), HasSubstr("degrees per minute"));
 }
 
 TEST(ExcitePlan, IsProposedForWhatALogLeavesOpen) {

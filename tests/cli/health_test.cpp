@@ -106,6 +106,27 @@ TEST(Health, TheFirstTestShowsTheMotionToRepeat) {
   EXPECT_THAT(designed.out, HasSubstr("At 4 of them the travel is a whole number of turns"));
 }
 
+// One turn of a pulley is a turn as that of a screw: its ripple is measured, and the motion to repeat covers whole turns.
+TEST(Health, ATurnOfAPulleyIsATurn) {
+  const Folder folder;
+  const std::string log = folder.write("x.csv", log_of(100.0, 1, 0.04));
+  const auto with = [&](const std::string& drive) {
+    const std::string machine = folder.write(
+        "m.toml",
+        "name = \"m\"\nsample_time = \"2 ms\"\n[axes.x.limits]\ntravel_min = \"0 mm\"\ntravel_max = \"40 mm\"\n"
+        "speed = \"50 mm/s\"\nacceleration = \"1000 mm/s2\"\nforce = \"2000 N\"\n[axes.x.commissioning]\n"
+        "mass = \"100 kg\"\nfriction = \"100 N\"\n[axes.x.drive]\nrated_torque = \"1 N m\"\n" +
+            drive + "\n");
+    const std::string archive = folder / std::to_string(drive.size());
+    const Said said = command({"health", machine, log, "--archive", archive, "--date", "2026-11-01"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.out;
+  };
+  for (const char* drive : {"travel_per_turn = \"6.283185307 mm\"", "pulley_diameter = \"2 mm\""})
+    EXPECT_THAT(with(drive), AllOf(HasSubstr("periodic, 6.283 mm"), HasSubstr("--lead \"6.28319 mm\"")))
+        << drive;
+}
+
 TEST(Health, TakesTheDayFromTheLog) {
   const Folder folder;
   const std::string log = folder.write("x.csv", log_of(100.0, 1, 0.04, "# date: 2026-03-04T10:11\n"));
@@ -133,6 +154,8 @@ TEST(Health, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(refusal(folder, {log, "--axis", "x", "--date", "23.11.2026"}),
               HasSubstr("--date: got \"23.11.2026\", expected a day as 2026-11-23"));
   EXPECT_THAT(refusal(folder, {"--date", "2026-11-02"}), HasSubstr("--date: goes with logs"));
+  EXPECT_THAT(refusal(folder, {"--gain", "12 N/%"}), HasSubstr("--gain: goes with logs"));
+  EXPECT_THAT(refusal(folder, {"--sample-time", "1 ms"}), HasSubstr("--sample-time: goes with logs"));
   EXPECT_THAT(refusal(folder, {"--circle", log}), HasSubstr("--size: missing"));
   EXPECT_EQ(folder.files(), 4U) << "nothing was left behind";
 }

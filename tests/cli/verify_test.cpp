@@ -108,6 +108,43 @@ TEST(Verify, GivesAVerdictAndAnExitCode) {
   EXPECT_EQ(command({"verify", axis, log, "--good", "20", "--usable", "10"}).code, 2);
 }
 
+// A run in open loop that leaves the speeds of the model needs more steps than there are: it ended the command in place of a verdict.
+TEST(Verify, ARunThatNeedsTooManyStepsIsLeftOut) {
+  const Folder folder;
+  const std::string axis =
+      folder.write("axis.toml", kAxis + "[friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"1e12 N/mm\"\n");
+  const std::string log = folder.write("log.csv", log_text(20.0));
+  const Said said = command({"verify", axis, log});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("no run in open loop is shown: replay: bristles of this stiffness need"),
+                    HasSubstr("good")));
+}
+
+// Half the mass was "good" on slow jogs, and backward friction four times too large on a log that moves forward alone.
+TEST(Verify, SaysWhatALogCannotTest) {
+  const Folder folder;
+  const auto log_with = [&](double slow, double one_way) {
+    std::string text = "t [s],x [mm],f [N]\n";
+    for (int k = 0; k < 4000; ++k) {
+      const double w = 3.0 * slow, t = 0.002 * k, mid = t + 0.001;
+      const double v = 0.02 * w * std::sin(w * mid) + one_way;
+      const double f = 100.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v + (v > 0 ? 20.0 : -20.0);
+      text += std::to_string(t) + ',' + std::to_string(20.0 * (1.0 - std::cos(w * t)) + 1e3 * one_way * t) +
+              ',' + std::to_string(f) + '\n';
+    }
+    return folder.write("log.csv", text);
+  };
+  const std::string axis = folder.write("axis.toml", kAxis);
+  const auto said = [&](double slow, double one_way) {
+    return command({"verify", axis, log_with(slow, one_way)}).out;
+  };
+  EXPECT_THAT(said(0.3, 0.0),
+              AllOf(HasSubstr("hardly tests the mass"), testing::Not(HasSubstr("alone: friction"))));
+  EXPECT_THAT(said(1.0, 0.0), testing::Not(HasSubstr("hardly tests the mass")));
+  EXPECT_THAT(said(1.0, 0.08), HasSubstr("moves towards + alone: friction towards - is not tested"));
+}
+
 TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
   const Folder folder;
   const std::string axis = folder.write("axis.toml", kAxis);
@@ -119,6 +156,22 @@ TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
   const Said level = command({"verify", axis, folder.write("level.csv", log_text(26.0))});
   EXPECT_THAT(level.out + level.err, HasSubstr("friction that does not depend on the speed, 5.92 N more"));
   EXPECT_THAT(level.out + level.err, ::testing::Not(HasSubstr("grows with position")));
+}
+
+// A wrong gain was "another lubrication or preload".
+TEST(Verify, NamesAWrongScaleOfTheForce) {
+  const Folder folder;
+  const std::string axis = folder.write("axis.toml", kAxis);
+  std::istringstream rows(log_text(20.0));
+  std::string text, row;
+  std::getline(rows, row);
+  text = row + "\n";
+  while (std::getline(rows, row)) {
+    const auto comma = row.rfind(',');
+    text += row.substr(0, comma + 1) + std::to_string(0.64 * std::stod(row.substr(comma + 1))) + "\n";
+  }
+  EXPECT_THAT(command({"verify", axis, folder.write("log.csv", text)}).out,
+              HasSubstr("the same share of all its forces, 36 % less than in the file: a wrong --gain"));
 }
 
 TEST(Verify, NamesFrictionOfOneDirectionAndWhatRepeats) {

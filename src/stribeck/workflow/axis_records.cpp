@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,17 +52,32 @@ class RecordsOfAxis {
   explicit RecordsOfAxis(const LogOptions& options) {
     axis_.axis = options.axis;
     axis_.control_period = control_period(options);
+    axis_.balanced = options.drive.balanced;
+    axis_.weighted = options.drive.weighted;
   }
 
-  void add(CleanedLog log) {
-    constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
-    Fingerprint print(log.log.records);
-    for (const auto& [name, other] : prints_) {
-      if (!print.within(other)) continue;
-      axis_.notes.push_back(copy_note(log.name, name));
-      return;
+  void add(CleanedLog log) { logs_.push_back(std::move(log)); }
+
+  [[nodiscard]] AxisRecords all() && {
+    std::vector<Fingerprint> prints;
+    for (const CleanedLog& log : logs_) prints.emplace_back(log.log.records);
+    const std::vector<std::optional<std::size_t>> holders = holders_of(prints);
+    for (std::size_t i = 0; i < logs_.size(); ++i) {
+      if (holders[i]) axis_.notes.push_back(copy_note(logs_[i].name, logs_[*holders[i]].name));
     }
-    prints_.emplace_back(log.name, std::move(print));
+    for (std::size_t i = 0; i < logs_.size(); ++i) {
+      if (!holders[i]) take(std::move(logs_[i]));
+    }
+    constexpr double kFewRows = 100.0;  // fewer rows in a direction come from settling
+    constexpr double kShare = 0.1;      // of a short log
+    const double least = std::min(kFewRows, kShare * moving_);
+    axis_.one_direction = !(forward_ > least) || !(backward_ > least);
+    return std::move(axis_);
+  }
+
+ private:
+  void take(CleanedLog log) {
+    constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
     if (axis_.rotary) std::erase(log.notes, kRotaryNote);  // said of the first log
     axis_.rotary = axis_.rotary || log.rotary;
     for (const ident::log::Finding& f : log.log.findings) {
@@ -83,19 +100,10 @@ class RecordsOfAxis {
     axis_.sources += (axis_.sources.empty() ? "" : ", ") + log.name;
   }
 
-  [[nodiscard]] AxisRecords all() && {
-    constexpr double kFewRows = 100.0;  // fewer rows in a direction come from settling
-    constexpr double kShare = 0.1;      // of a short log
-    const double least = std::min(kFewRows, kShare * moving_);
-    axis_.one_direction = !(forward_ > least) || !(backward_ > least);
-    return std::move(axis_);
-  }
-
- private:
   AxisRecords axis_;
-  std::vector<std::pair<std::string, Fingerprint>> prints_;  ///< of the logs so far, by their names
-  double moving_ = 0.0;                                      ///< rows of all logs
-  double forward_ = 0.0;                                     ///< those of them that go forward
+  std::vector<CleanedLog> logs_;
+  double moving_ = 0.0;   ///< rows of all logs
+  double forward_ = 0.0;  ///< those of them that go forward
   double backward_ = 0.0;
 };
 

@@ -337,6 +337,21 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
                 : fmt::format(", {} {} in the worst case.", ident::digits(most), unit);
 }
 
+/// A motor turns no faster than its data sheet says, whatever the limit of the axis.
+void note_motor_speed(ident::excitation::Excitation& e, const AxisDescription& a) {
+  const std::optional<double> top = a.drive ? a.drive->top_speed() : std::nullopt;
+  if (!top) return;
+  double fastest = 0.0;
+  for (std::size_t k = 1; k < e.r.size(); ++k)
+    fastest = std::max(fastest, std::abs(e.r[k] - e.r[k - 1]) / e.sample_time);
+  if (fastest <= 1.001 * *top) return;
+  const AxisUnits& u = units_of(a.rotary);
+  e.says += fmt::format(
+      " Attention: up to {:.4g} {}/s, and at its largest speed (drive.motor_speed) the motor moves the axis by {:.4g} {}/s: lower "
+      "limits.speed, and design again.",
+      fastest * u.per_metre, u.travel, *top * u.per_metre, u.travel);
+}
+
 /// The drive must hold what rests on it, before anything moves.
 void check_weight(ident::excitation::Excitation& e, const MachineDescription& machine, std::size_t axis) {
   const auto& [name, a] = machine.axes[axis];
@@ -371,10 +386,18 @@ void check_weight(ident::excitation::Excitation& e, const MachineDescription& ma
 
 namespace {
 
-/// What open loop takes for granted of an axis that turns.
-std::string balanced(const AxisDescription& axis) {
-  if (!axis.rotary || axis.commissioning.unbalance) return {};
-  return "; the table must be balanced, or upright: the machine file says no commissioning.unbalance";
+/// What open loop takes for granted of a real axis: nothing pulls where the file says nothing.
+std::string balanced(const std::string& name, const AxisDescription& axis) {
+  const RoughAxis& rough = axis.commissioning;
+  if (axis.rotary)
+    return rough.unbalance
+               ? std::string()
+               : "; the table must be balanced, or upright: the machine file says no commissioning.unbalance";
+  if (axis.plant || !rough.load.empty()) return {};
+  return fmt::format(
+      "; no weight may pull the axis, as on a vertical or inclined one: it would fall, and the machine file says no load (write "
+      "axes.{}.commissioning.load, 0 N where nothing pulls)",
+      name);
 }
 
 /// To a thousandth of the unit, without a sign before zero.
@@ -397,16 +420,22 @@ std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& s
   const auto first = std::find_if(table.begin(), table.end(), [&](double y) { return y != table.front(); });
   const bool up = first == table.end() || *first > table.front();
   const AxisUnits& u = units_of(a.rotary);
-  return {fmt::format("begins at {:.6g} {}, at rest", in_units(start, u), u.travel),
-          fmt::format("first moves to {}{}", up ? '+' : '-', name),
-          fmt::format("needs free room from {:.6g} to {:.6g} {}{}", in_units(low, u), in_units(high, u),
-                      u.travel, open ? ", in the worst case of friction and mass" : ""),
-          fmt::format(
-              "abort outside {:.6g} to {:.6g} {}, above {:.6g} {}/s, above {:.6g} {}{}",
-              a.limits.travel_min * u.per_metre, a.limits.travel_max * u.per_metre, u.travel,
-              a.limits.speed * u.per_metre, u.travel, a.force_limit(), a.rotary ? "N m at the table" : "N",
-              open ? balanced(a) + "; open loop, nothing holds the position: keep the emergency stop at hand"
-                   : std::string(", and at the control's limit of the following error"))};
+  std::vector<std::string> notes{
+      fmt::format("begins at {:.6g} {}, at rest", in_units(start, u), u.travel),
+      fmt::format("first moves to {}{}", up ? '+' : '-', name),
+      fmt::format("needs free room from {:.6g} to {:.6g} {}{}", in_units(low, u), in_units(high, u), u.travel,
+                  open ? ", in the worst case of friction and mass" : ""),
+      fmt::format(
+          "abort outside {:.6g} to {:.6g} {}, above {:.6g} {}/s, above {:.6g} {}{}",
+          a.limits.travel_min * u.per_metre, a.limits.travel_max * u.per_metre, u.travel,
+          a.limits.speed * u.per_metre, u.travel, a.force_limit(), a.rotary ? "N m at the table" : "N",
+          open
+              ? balanced(name, a) + "; open loop, nothing holds the position: keep the emergency stop at hand"
+              : std::string(", and at the control's limit of the following error"))};
+  if (!open)
+    notes.emplace_back(
+        "counts in the coordinates of the machine: no work offset, tool length or rotation may act");
+  return notes;
 }
 
 std::string gcode_option(const std::string& axis, const std::string& stem) {
@@ -431,6 +460,7 @@ ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& o,
   try {
     ident::excitation::SafeExcitation safe = designed(o, machine, axis);
     check_weight(safe.excitation, machine, axis);
+    note_motor_speed(safe.excitation, machine.axes[axis].second);
     if (!safe.excitation.r.empty()) check_force(safe.excitation, machine, axis);
     return safe;
   } catch (const ident::excitation::BadDesign& bad) {

@@ -15,6 +15,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/model_force.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
@@ -281,7 +282,21 @@ Identification by_drive_fit(const IdentifyOptions& o, const AxisRecords& axis, D
   options.cut_off = given_cut_off(o, records);
   Records with_positions;
   for (const ident::log::Record& r : records) with_positions.push_back(ident::map::with_positions(r));
-  return {ident::drive::identify_drive(with_positions, options)};
+  options.balanced = axis.balanced;
+  options.weighted = axis.weighted;
+  ident::Result result = ident::drive::identify_drive(with_positions, options);
+  if (!axis.balanced || o.model == ModelChoice::kConventional) return {std::move(result)};
+  const ident::Parameter* load = result.find("load");
+  if (load == nullptr || !(load->ci_low * load->ci_high > 0.0)) return {std::move(result)};
+  options.symmetric = false;
+  const ident::Shown people(result.position_unit, result.force_unit, axis.rotary);
+  const std::string apart = people.force(std::abs(load->value));
+  result = ident::drive::identify_drive(with_positions, options);
+  if (result.find("load") == nullptr)
+    result.warnings.push_back(fmt::format(
+        "half of the difference between the directions is {}: as the machine file says a load of 0, it is taken as friction",
+        apart));
+  return {std::move(result)};
 }
 
 bool mass_is_determined(const ident::Result& result) {

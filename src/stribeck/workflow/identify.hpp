@@ -65,6 +65,8 @@ struct AxisRecords {
   std::string irregular{};      ///< a log whose rows were taken at irregular times; empty: none
   std::string commanded{};      ///< a log whose position is its command; empty: none
   double control_period = 0.0;  ///< of the machine file [s]; 0: not known
+  bool balanced = false;        ///< the machine file says that nothing pulls the axis
+  bool weighted = false;        ///< the machine file says that a load pulls the axis
   bool as_commanded = false;    ///< the shift of the force is not searched: it is taken as held for each row
 };
 

@@ -30,8 +30,9 @@ constexpr double kMass = 50.0;     // [kg]
 constexpr double kViscous = 30.0;  // [N s/m]
 constexpr double kCoulomb = 10.0;  // [N]
 
-/// Two sines of an axis with Coulomb and viscous friction, and a force noise of 0.3 N that repeats itself.
-std::string sines(const std::string& header = "t [s],x [mm],f [N]") {
+/// Two sines of an axis with Coulomb and viscous friction, and a force noise of 0.3 N that repeats itself; `more` force in both
+/// directions [N].
+std::string sines(const std::string& header = "t [s],x [mm],f [N]", double more = 0.0) {
   std::string out = header + "\n";
   for (int k = 0; k < 6000; ++k) {
     const double t = 1e-3 * k;
@@ -42,7 +43,7 @@ std::string sines(const std::string& header = "t [s],x [mm],f [N]") {
       a -= 0.03 * w * w * std::sin(w * t);
     }
     const double f =
-        kMass * a + kViscous * v + (v > 0.0 ? kCoulomb : -kCoulomb) + 0.3 * std::sin(997.0 * t * t);
+        kMass * a + kViscous * v + (v > 0.0 ? kCoulomb : -kCoulomb) + more + 0.3 * std::sin(997.0 * t * t);
     out += fmt::format("{:.3f},{:.6f},{:.5f}\n", t, 1e3 * x, f);
   }
   return out;
@@ -74,6 +75,27 @@ TEST(Identify, FindsMassAndFrictionOfALog) {
   EXPECT_NEAR(parts.level + parts.viscous, kCoulomb + 0.1 * kViscous, 0.5);
   EXPECT_EQ(to_json(found, "x")["axis"], "x");
   EXPECT_THAT(text_of(found, "x"), HasSubstr("mass"));
+}
+
+// Motion alone cannot tell a load from friction that differs by direction; the machine file can.
+TEST(Identify, ALoadOfZeroInTheMachineFileLeavesTheDifferenceToFriction) {
+  const Folder folder;
+  const std::string log = folder.write("log.csv", sines("t [s],x [mm],f [N]", 1.5));
+  const auto with_load = workflow::identify(workflow::read_axis({log}, {}), {});
+  EXPECT_NEAR(with_load.result.load, 1.5, 0.2);
+  workflow::LogOptions options;
+  options.drive.balanced = true;
+  const auto balanced = workflow::identify(workflow::read_axis({log}, options), {});
+  EXPECT_EQ(balanced.result.load, 0.0);
+  EXPECT_EQ(balanced.result.find("load"), nullptr);
+  const ident::Parameter* forward = balanced.result.find("coulomb_positive");
+  const ident::Parameter* backward = balanced.result.find("coulomb_negative");
+  ASSERT_NE(forward, nullptr);
+  ASSERT_NE(backward, nullptr);
+  EXPECT_NEAR(forward->value, kCoulomb + 1.5, 0.4);
+  EXPECT_NEAR(backward->value, -(kCoulomb - 1.5), 0.4);
+  EXPECT_THAT(balanced.result.warnings,
+              ::testing::Contains(HasSubstr("as the machine file says a load of 0")));
 }
 
 /// Position, velocity and acceleration.

@@ -156,6 +156,18 @@ std::string excitation_words(const sim::Machine& machine, const std::vector<std:
   return words + report::listed(what) + (closed.empty() ? " on each axis" : " on the others");
 }
 
+/// What the units of a comparison mean where an axis turns.
+std::string figures_of_turning(const sim::Machine& machine, const std::vector<std::size_t>& axes,
+                               const sim::CompareSpec& spec) {
+  const bool tip = std::any_of(spec.travels.begin(), spec.travels.end(), [](const sim::Travel& t) {
+    return std::holds_alternative<path::ConeFrustum>(t.path);
+  });
+  if (tip) return "contour errors here are lengths at the tip of the tool";
+  if (std::all_of(axes.begin(), axes.end(), [&](std::size_t i) { return machine.axes[i].second.rotary; }))
+    return "so um stands for urad and mm/s for mrad/s in these figures";
+  return "so in a contour error a urad of this axis counts as a um";
+}
+
 }  // namespace
 
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
@@ -218,8 +230,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     const auto& [name, axis] = machine.axes[i];
     if (axis.rotary)
       p.assumed.push_back(
-          fmt::format("axis {} is {}; so um stands for urad and mm/s for mrad/s in these figures", name,
-                      kRotaryAsLinear));
+          fmt::format("axis {} is {}; {}", name, kRotaryAsLinear, figures_of_turning(machine, axes, spec)));
     if (axis.truth_from.empty()) continue;
     say(p, fmt::format("the machine file has no plant for axis {}: its identified model is simulated", name));
     p.assumed.push_back(fmt::format(
@@ -268,10 +279,7 @@ void note_calmed(const sim::CompareResult& result, const std::vector<std::size_t
     for (const std::size_t i : row.calmed) {
       const double delay =
           parameters.knowledge[axes[i]].model(row.controller.friction, result.axes[i]).delay_or_none();
-      to.push_back(fmt::format(
-          "axis {}: with a delay of {:.2g} control periods a loop with a Kalman observer is close to oscillating at these gains, so ({}) has a disturbance "
-          "observer there, as (g) has; slower gains bring the other one back",
-          result.axes[i], delay / result.period, row.controller.id));
+      to.push_back(without_kalman_observer(result.axes[i], delay / result.period, row.controller.id));
     }
   }
 }
@@ -303,6 +311,31 @@ std::vector<std::string> unknown_delays(const sim::Machine& machine, const sim::
         machine.axes[i].first, parameters.files[i], 2e3 * machine.sample_time));
   }
   return all;
+}
+
+std::vector<std::string> uncounted_delays(const sim::Machine& machine, const sim::CompareSpec& spec) {
+  std::vector<std::string> all;
+  for (const std::size_t i : sim::chosen_axes(machine, spec)) {
+    const auto& [name, axis] = machine.axes[i];
+    if (!axis.known_loop()) continue;
+    const double delay = axis.plant.delay_periods + axis.plant.delay_fraction.value_or(0.0);
+    all.push_back(fmt::format(
+        "axis {}: its drive closes a loop of its own, and the margins do not count with the way of the command there ({}): the gains may be "
+        "too high, up to oscillation; begin with half of the proposed omega and look at the motion",
+        name,
+        delay > 0.0
+            ? fmt::format("plant.delay_periods, {:g} periods here", delay)
+            : std::string("a fieldbus and the cycle of the drive often take 2 to 4 control periods")));
+  }
+  return all;
+}
+
+std::string without_kalman_observer(const std::string& axis, double delay_periods,
+                                    const std::string& controller) {
+  return fmt::format(
+      "axis {}: with a delay of {:.2g} control periods a loop with a Kalman observer is close to oscillating at these gains, so ({}) has a disturbance "
+      "observer there, as (g) has; slower gains bring the other one back",
+      axis, delay_periods, controller);
 }
 
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,

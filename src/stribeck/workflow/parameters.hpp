@@ -33,11 +33,19 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
 std::vector<std::string> unknown_delays(const sim::Machine& machine, const sim::CompareSpec& spec,
                                         const Parameters& parameters);
 
+/// Axes whose drive closes a loop of its own: the margins count with the settings of that loop, but not with what a command needs to get
+/// there. One warning each.
+std::vector<std::string> uncounted_delays(const sim::Machine& machine, const sim::CompareSpec& spec);
+
 /// Warns of axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine
 /// that the result has. There a change of friction that adaptation found says nothing about the machine: its verdict becomes
 /// that the model does not hold. At its reversals every axis is slow for a short time, which is no reason to warn. Of a file it is
 /// the uncertainty in it that says from which speed on its logs tell the friction. What the parameters assume comes first.
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters);
+
+/// What to say of an axis on which a controller goes without its Kalman observer (sim::calm()).
+std::string without_kalman_observer(const std::string& axis, double delay_periods,
+                                    const std::string& controller);
 
 }  // namespace stribeck::workflow

@@ -34,6 +34,28 @@ TEST(Parameters, AnAxisWithoutItsKalmanObserverIsSaidOnce) {
   EXPECT_THAT(check_coverage(result, {0}, parameters), testing::IsEmpty());
 }
 
+// The tip of a tool errs by a length also where axes turn.
+TEST(Parameters, SayWhatAMicrometreOfAnAxisThatTurnsIs) {
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  sim::Machine machine = read_virtual_machine(machine_file);
+  machine.axes[1].second.rotary = true;
+  sim::CompareSpec spec;
+  ParameterOptions options;
+  options.source = "thesis";
+  const auto said = [&](std::vector<std::size_t> axes) {
+    spec.axes = std::move(axes);
+    std::string all;
+    for (const std::string& one : get_parameters(machine, machine_file, options, spec).assumed) all += one;
+    return all;
+  };
+  EXPECT_THAT(said({1}), testing::HasSubstr("so um stands for urad and mm/s for mrad/s"));
+  EXPECT_THAT(said({0, 1}), testing::HasSubstr("in a contour error a urad of this axis counts as a um"));
+  spec.travels.resize(1);
+  spec.travels[0].path = path::ConeFrustum{};
+  EXPECT_THAT(said({0, 1}), testing::AllOf(testing::HasSubstr("lengths at the tip of the tool"),
+                                           testing::Not(testing::HasSubstr("urad"))));
+}
+
 // A file that changes nothing is said to, or its axis would seem to have been judged.
 TEST(Parameters, AFileOfAnAxisThatRestsHasNoEffect) {
   const test::Folder folder;
@@ -76,8 +98,24 @@ TEST(Parameters, ADelayWithoutEffectIsNotMissed) {
   for (sim::AxisKnowledge& known : p.knowledge) known.whole.emplace().mass = 60.0;
   EXPECT_THAT(unknown_delays(machine, spec, p),
               testing::ElementsAre(testing::HasSubstr("x.toml does not say the delay of the drive")));
+  EXPECT_THAT(uncounted_delays(machine, spec), testing::IsEmpty());
   machine.axes[0].second.drive_loop.emplace();
   EXPECT_THAT(unknown_delays(machine, spec, p), testing::IsEmpty());
+}
+
+// The same margins came out with 0, 4 and 8 periods on the way to a velocity drive; with 8 its gains oscillate.
+TEST(Parameters, TheWayOfACommandToALoopOfTheDriveIsSaidNotToCount) {
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  sim::Machine machine = read_virtual_machine(machine_file);
+  sim::CompareSpec spec;
+  spec.axes = {0};
+  machine.axes[0].second.drive_loop.emplace();
+  EXPECT_THAT(uncounted_delays(machine, spec),
+              testing::ElementsAre(testing::HasSubstr("often take 2 to 4 control periods")));
+  machine.axes[0].second.plant.delay_periods = 4;
+  EXPECT_THAT(uncounted_delays(machine, spec),
+              testing::ElementsAre(
+                  testing::AllOf(testing::StartsWith("axis x: "), testing::HasSubstr("4 periods here"))));
 }
 
 // The axis is simulated as this model: an identification from simulated logs would find it again, after half a minute.

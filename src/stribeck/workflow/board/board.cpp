@@ -333,6 +333,11 @@ report::BoardResult Board::result(const std::vector<OfMachine>& all) const {
       r.warnings.push_back(
           fmt::format("{}: method auto identified no model from its logs, so that no controller ran on it",
                       r.machines[i]));
+    // Each motion would say the same.
+    for (std::size_t k = 0; k < controllers_.size() && k < all[i].runs.size(); ++k) {
+      for (const std::string& note : all[i].runs[k].notes)
+        r.warnings.push_back(fmt::format("{}: {}", r.machines[i], note));
+    }
   }
   // Alone, after everything else: other threads would be measured too.
   const auto with_model =

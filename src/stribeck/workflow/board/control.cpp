@@ -7,6 +7,7 @@
 #include <stribeck/workflow/board/control.hpp>
 #include <stribeck/workflow/board/outside_law.hpp>
 #include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/parameters.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -105,9 +106,16 @@ struct BoardControl::Parts {
   std::vector<std::shared_ptr<const sim::Route<2>>> routes;
   std::unique_ptr<sim::JudgedRuns<2>> runs;
 
-  [[nodiscard]] sim::AnyController<2> make(const BoardController& c, const sim::Route<2>& route) const {
+  [[nodiscard]] sim::AnyController<2> make(const BoardController& c, const sim::Route<2>& route,
+                                           std::vector<std::string>* notes = nullptr) const {
     if (c.words.empty()) {
       auto setup = sim::make_setup<2>(board.machine, knowledge, kBothAxes, c.spec);
+      for (const std::size_t i : sim::calm<2>(setup, c.spec)) {
+        if (notes == nullptr) continue;
+        notes->push_back(without_kalman_observer(
+            board.machine.axes[i].first,
+            setup.compensation[i].model.delay_or_none() / board.machine.sample_time, c.spec.id));
+      }
       setup.lap = route.lap;
       return sim::make_controller<2>(c.spec.law, setup);
     }
@@ -141,7 +149,10 @@ BoardControl::~BoardControl() = default;
 BoardRun BoardControl::run(const BoardController& controller, std::size_t travel) {
   const sim::Route<2>& route = *parts_->routes[travel];
   try {
-    return {parts_->runs->run(parts_->make(controller, route), route, parts_->seed, parts_->machine), {}};
+    BoardRun out;
+    const sim::AnyController<2> made = parts_->make(controller, route, &out.notes);
+    out.run = parts_->runs->run(made, route, parts_->seed, parts_->machine);
+    return out;
   } catch (const sim::Refused& e) {
     return {{}, e.what()};
   } catch (const io::ProgramFailed& e) {

@@ -42,6 +42,7 @@ sim::AxisKnowledge board_knowledge(const BoardAnswer& model, const BoardAnswer* 
 struct BoardRun {
   sim::RobustRun run;
   std::string failure{};
+  std::vector<std::string> notes{};  ///< axes on which the controller goes without its Kalman observer
 };
 
 /// Runs on one machine.

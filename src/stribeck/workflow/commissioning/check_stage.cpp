@@ -17,6 +17,8 @@ constexpr double kSignFerror = 0.08e-3;  // the controller stops there [m]
 constexpr double kWeakest = 0.25;        // first force, as a share of the least friction
 constexpr double kMostOfForce = 0.5;     // of the largest force of the drive
 constexpr double kSettle = 0.1;          // [s]
+constexpr double kBrake = 0.3;           // until a brake holds the axis [s]
+constexpr double kFell = 0.3e-3;         // an axis that is held does not move that far in a try [m]
 
 using Values = std::vector<std::pair<std::string, std::string>>;
 
@@ -32,6 +34,45 @@ std::vector<double> forces_to_try(const RunningAxis& a) {
   return out;
 }
 
+/// A small force does not hold a weight that the machine file does not know.
+void refuse_unsaid_weight(const Work& work) {
+  for (const RunningAxis& a : work.axes.axes) {
+    const auto described = std::find_if(work.description.axes.begin(), work.description.axes.end(),
+                                        [&](const auto& axis) { return axis.first == a.name; });
+    if (!a.takes_force || !described->second.weight_unsaid()) continue;
+    throw Stopped(fmt::format(
+        "axis {}: it has a brake, as an axis with a weight has, but the machine file says no weight: with the small forces of this "
+        "stage it may fall. Write axes.{}.commissioning.load (0 N where nothing pulls)",
+        a.name, a.name));
+  }
+}
+
+/// Where the axes are [m].
+std::vector<double> places_of(Work& work) {
+  const MachineState state = work.machine.state();
+  std::vector<double> out;
+  for (const RunningAxis& a : work.axes.axes)
+    out.push_back(state.joints.at(static_cast<std::size_t>(a.joint)).position * work.axes.unit);
+  return out;
+}
+
+/// An axis that a weight has moved since it was at `before`. The machine is off.
+void refuse_fall(Work& work, const std::vector<double>& before) {
+  work.machine.sleep(kBrake);
+  const std::vector<double> now = places_of(work);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const RunningAxis& a = work.axes.axes[i];
+    const double moved = now[i] - before[i];
+    if (!a.takes_force || std::abs(moved) < kFell) continue;
+    throw Stopped(fmt::format(
+        "axis {}: it fell: it stands {} mm to {}{} of where it was before it was switched on with little more than {} N for its load. "
+        "It is not tried again. Look at commissioning.load of the machine file (size and sign), and at the time the brake takes to "
+        "close",
+        a.name, report::significant(1e3 * std::abs(moved), 3), moved < 0.0 ? '-' : '+', a.name,
+        report::significant(std::abs(a.rough.load_force()), 4)));
+  }
+}
+
 /// Little force on every axis, and a little more on one: nobody knows the sign of the others either. The machine is off.
 void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double force) {
   for (const RunningAxis& a : work.axes.axes) {
@@ -39,9 +80,16 @@ void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double
                   {a.controller + ".observer", "0"},
                   {a.controller + ".adaptation.enabled", "0"}};
     const double own = &a == &tried ? force : forces_to_try(a).front();
-    if (a.takes_force)
-      values.emplace_back(a.controller + ".force-limit",
-                          text_of(std::abs(a.rough.load_force()) + a.rough.load_spread() + own));
+    if (a.takes_force) {
+      // The loop has no force left for a load: the controller carries that of the machine file, or else its own.
+      const std::string name = a.controller + ".load";
+      const double known = value_in_hal(work.machine, name);
+      double carried = std::abs(a.rough.load_force());
+      if (a.rough.load.empty() && std::isfinite(known)) carried = std::abs(known);
+      if (!a.rough.load.empty() && std::isfinite(known))
+        values.emplace_back(name, text_of(a.rough.load_force()));
+      values.emplace_back(a.controller + ".force-limit", text_of(carried + a.rough.load_spread() + own));
+    }
     changed.set(values);
     tighten(work, changed, a, kSignFerror);
   }
@@ -125,7 +173,9 @@ io::Json find_sign(Work& work, ChangedValues& changed, const RunningAxis& a) {
   double force = 0.0;
   for (const double f : forces_to_try(a)) {
     force = f;
+    const std::vector<double> before = places_of(work);
     test = try_sign(work, changed, a, f);
+    refuse_fall(work, before);
     if (test.sign != Sign::kNotSeen) break;
   }
   const std::string with =
@@ -185,6 +235,7 @@ io::Json check(Work& work) {
                            report::significant(1e3 * a.limits.speed, 4),
                            report::significant(1e3 * a.limits.acceleration, 4)));
   for (const std::string& text : work.axes.warnings) work.found("warning: " + text);
+  refuse_unsaid_weight(work);
   refuse_offsets(work);
   const bool estop = work.machine.state().estop;
   work.ask(fmt::format(

@@ -183,6 +183,49 @@ TEST(Commissioning, AnAxisThatDoesNotMoveIsSaid) {
   EXPECT_NE(s.stops().find("it did not move"), std::string::npos);
 }
 
+std::string with_weight(const std::string& brake, const std::string& load) {
+  return std::string(kMachine) + load + "[axes.x.drive]\nbrake = " + brake + "\n";
+}
+
+// The axis fell by 35 mm in each of seven tries, and the stage said that it did not move.
+TEST(Commissioning, AnAxisThatFallsIsNotTriedAgain) {
+  Session s;
+  s.options.machine = s.folder.write("machine.toml", with_weight("false", ""));
+  s.machine.weight = 1000.0;
+  const std::string why = s.stops();
+  EXPECT_NE(why.find("axis x: it fell: it stands"), std::string::npos) << why;
+  EXPECT_NE(why.find("mm to -x of where it was"), std::string::npos) << why;
+  EXPECT_EQ(s.asked("on"), 1);
+  EXPECT_FALSE(s.machine.on);
+}
+
+TEST(Commissioning, ABrakeWithoutAWeightIsRefusedBeforeAnythingMoves) {
+  Session s;
+  s.options.machine = s.folder.write("machine.toml", with_weight("true", ""));
+  s.machine.weight = 1000.0;
+  const std::string why = s.stops();
+  EXPECT_NE(why.find("axes.x.commissioning.load"), std::string::npos) << why;
+  EXPECT_EQ(s.asked("on") + s.asked("jog"), 0);
+  s.options.machine = s.folder.write("machine.toml", with_weight("true", "load = \"0 N\"\n"));
+  s.machine.weight = 0.0;
+  EXPECT_EQ(s.stops(), "");
+}
+
+// A new configuration has no load in its controller yet.
+TEST(Commissioning, TheLoadOfTheMachineFileIsCarriedWhileTheSignIsTried) {
+  Session s;
+  s.options.machine = s.folder.write("machine.toml", with_weight("true", "load = \"700 N\"\n"));
+  s.machine.weight = 700.0;
+  const auto before = s.machine.values;
+  EXPECT_EQ(s.stops(), "");
+  EXPECT_EQ(s.machine.values, before);
+  // A file that says none leaves the controller its own.
+  Session own;
+  own.machine.weight = 700.0;
+  own.machine.values["ax.x.load"] = "700";
+  EXPECT_EQ(own.stops(), "");
+}
+
 TEST(Commissioning, NothingMovesWithoutConsent) {
   Session s;
   s.agrees = false;
@@ -258,6 +301,59 @@ TEST(Commissioning, AStageNeedsThoseBeforeIt) {
   s.options.stage = "record";
   EXPECT_NE(s.stops().find("needs check first"), std::string::npos);
   EXPECT_TRUE(s.machine.log.empty() || s.asked("jog") == 0);
+}
+
+TEST(Commissioning, RecordAsksForEachMotionAndWritesALogOfEach) {
+  Session s;
+  s.go();
+  s.options.stage = "moves";
+  s.go();
+  s.options.stage = "record";
+  s.machine.log.clear();
+  EXPECT_EQ(s.stops(), "");
+  EXPECT_EQ(s.asked("run "), 3);
+  for (const std::string name : {"x-constant-acceleration", "x-sine", "x-verify"}) {
+    const std::string program = test::text_of(s.options.output + "/record/" + name + ".ngc");
+    EXPECT_NE(program.find("X"), std::string::npos) << name;
+    EXPECT_EQ(std::count_if(s.machine.log.begin(), s.machine.log.end(),
+                            [&](const std::string& line) { return line.ends_with('/' + name + ".ngc"); }),
+              1)
+        << name;
+    const std::string log = test::text_of(s.options.output + "/record/logs/" + name + ".csv");
+    EXPECT_EQ(log.substr(0, log.find('\n')), "t [s],r [mm],x [mm],f [N]") << name;
+    EXPECT_GT(std::count(log.begin(), log.end(), '\n'), 50) << name;
+  }
+  EXPECT_NE(test::text_of(s.options.output + "/record/result.json").find("x-verify.csv"), std::string::npos);
+  // Without consent nothing runs.
+  s.agrees = false;
+  s.machine.log.clear();
+  EXPECT_NE(s.stops(), "");
+  EXPECT_EQ(s.asked("run "), 0);
+}
+
+TEST(Commissioning, ARecordThatIsBrokenIsNoLog) {
+  Session s;
+  s.go();
+  s.options.stage = "moves";
+  s.go();
+  s.options.stage = "record";
+  s.machine.broken_record = true;
+  EXPECT_ANY_THROW(s.go());
+  EXPECT_FALSE(s.done("record"));
+}
+
+// The fake machine does not run programs: its axis stands in all logs.
+TEST(Commissioning, LogsOfAnAxisThatStandsGiveNoModel) {
+  Session s;
+  for (const char* stage : {"check", "moves", "record"}) {
+    s.options.stage = stage;
+    ASSERT_EQ(s.stops(), "") << stage;
+  }
+  s.options.stage = "identify";
+  EXPECT_ANY_THROW(s.go());
+  EXPECT_FALSE(s.done("identify/x.toml"));
+  s.options.stage = "before";
+  EXPECT_NE(s.stops().find("needs identify first"), std::string::npos);
 }
 
 TEST(Commissioning, NothingIsOnWhileForcesAreMadeWeak) {

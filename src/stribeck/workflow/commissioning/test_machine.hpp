@@ -19,7 +19,9 @@ class FakeMachine final : public RunningMachine {
   double friction = 100.0;         ///< [N]
   double stiffness = 2e7;          ///< of the bristles [N/m]
   double mass = 100.0;             ///< [kg]
-  double blocked_at = 1e9;         ///< no farther than that [m]
+  double weight = 0.0;             ///< pulls the table to the negative side [N]
+  double brake_time = 0.1;         ///< until the brake holds the table after the drive has no force [s]
+  double blocked_at = 1e9;         ///< no farther than that to either side [m]
   double farthest = 0.0;           ///< of the table from where it began [m]
   std::string message_after = {};  ///< of LinuxCNC, at the next move
   std::string fault_value = "0";
@@ -31,10 +33,16 @@ class FakeMachine final : public RunningMachine {
                                                        {"JOINT_0 MAX_VELOCITY", {"100"}},
                                                        {"JOINT_0 MAX_ACCELERATION", {"1000"}},
                                                        {"JOINT_0 FERROR", {"2"}}};
-  std::map<std::string, std::string> values{
-      {"ax.x.position-unit", "0.001"},  {"ax.x.force-unit", "1"},        {"ax.x.ferror-limit", "1"},
-      {"ax.x.force-limit", "1000"},     {"ax.x.feedforward", "2"},       {"ax.x.observer", "1"},
-      {"ax.x.adaptation.enabled", "0"}, {"ax.x.drive-loop.mode", "nan"}, {"ax.x.omega", "300"}};
+  std::map<std::string, std::string> values{{"ax.x.position-unit", "0.001"},
+                                            {"ax.x.force-unit", "1"},
+                                            {"ax.x.ferror-limit", "1"},
+                                            {"ax.x.force-limit", "1000"},
+                                            {"ax.x.feedforward", "2"},
+                                            {"ax.x.observer", "1"},
+                                            {"ax.x.adaptation.enabled", "0"},
+                                            {"ax.x.drive-loop.mode", "nan"},
+                                            {"ax.x.omega", "300"},
+                                            {"ax.x.load", "0"}};
   bool on = false;
   bool estop = false;
   std::string offsets = {};        ///< of a program
@@ -145,18 +153,24 @@ class FakeMachine final : public RunningMachine {
     const double from = command_;
     const double w = std::stod(values["ax.x.omega"]);
     const double limit = std::stod(values["ax.x.force-limit"]);
+    const double load = std::stod(values["ax.x.load"]);
     for (int k = 0; k < 20; ++k) {
       const double dt = kPeriod / 20;
       command_ = from + (command - from) * (k + 1) / 20;
-      force_ = on ? std::clamp(mass * (w * w * (command_ - sign * table_) - 2.0 * w * sign * speed_), -limit,
-                               limit)
-                  : 0.0;
+      off_for_ = on ? 0.0 : off_for_ + dt;
+      // After it was switched off, the controller holds its load until the brake has closed.
+      const double rest = off_for_ > brake_time ? 0.0 : load;
+      force_ = on ? std::clamp(mass * (w * w * (command_ - sign * table_) - 2.0 * w * sign * speed_) + load,
+                               -limit, limit)
+                  : rest;
+      if (weight != 0.0 && off_for_ > brake_time) speed_ = 0.0;
       bristle_ = std::clamp(bristle_ + speed_ * dt, -friction / stiffness, friction / stiffness);
-      speed_ += dt * (force_ - stiffness * bristle_ - 1e3 * speed_) / mass;
+      if (weight == 0.0 || off_for_ <= brake_time)
+        speed_ += dt * (force_ - weight - stiffness * bristle_ - 1e3 * speed_) / mass;
       table_ += dt * speed_;
-      if (table_ > blocked_at) {
-        table_ = blocked_at;
-        speed_ = std::min(speed_, 0.0);
+      if (std::abs(table_) > blocked_at) {
+        table_ = std::copysign(blocked_at, table_);
+        speed_ = table_ > 0.0 ? std::min(speed_, 0.0) : std::max(speed_, 0.0);
       }
     }
     farthest = std::max(farthest, std::abs(table_));
@@ -175,6 +189,7 @@ class FakeMachine final : public RunningMachine {
   double speed_ = 0.0;
   double bristle_ = 0.0;
   double force_ = 0.0;
+  double off_for_ = 1e3;  ///< the brake holds at first [s]
 };
 
 }  // namespace stribeck::workflow::commissioning

@@ -97,7 +97,9 @@ void require_same_motion(const health::Measured& measured, const std::string& so
 double turn_of(const HealthOptions& o, const AxisDescription& axis) {
   if (!o.turn.empty()) return travel_si("--turn", o.turn, quantity("m", "mm").positive(), axis.rotary);
   if (!axis.drive) return 0.0;
-  return axis.drive->lead.value_or(axis.drive->travel_per_turn.value_or(0.0));
+  const DriveData& d = *axis.drive;
+  if (d.pulley_diameter) return kPi * *d.pulley_diameter;
+  return d.lead.value_or(d.travel_per_turn.value_or(0.0));
 }
 
 /// Measures all tests of a command before it adds any: a log that is refused leaves the archive as it was.
@@ -285,13 +287,15 @@ class Session {
       if (!axis) return;
       const health::Measured &a = *file.test.measured, &b = *first->test.measured;
       if (a.friction.size() == b.friction.size() && a.places.size() == b.places.size() &&
-          a.periodic.size() == b.periodic.size())
+          a.periodic.size() == b.periodic.size() && a.spring.has_value() == b.spring.has_value() &&
+          a.unbalance.has_value() == b.unbalance.has_value())
         return;
     }
     throw io::InputError(
         {file.path, 0, "measured",
-         fmt::format("has other speeds, places or periods than {} (one archive holds one motion)",
-                     first->path)});
+         fmt::format(
+             "has other speeds, places, periods or another spring or unbalance than {} (one archive holds one motion)",
+             first->path)});
   }
 
   const HealthOptions& options_;
@@ -314,8 +318,13 @@ std::string quoted(const std::string& word) {
 void check_health_options(const HealthOptions& o, const std::string& archive) {
   const bool adds = !o.logs.empty() || !o.circles.empty();
   if (!adds) {
+    const LogOptions& l = o.log;
     for (const auto& [given, option] :
-         {std::pair{!o.date.empty(), "--date"}, std::pair{o.temperature.has_value(), "--temperature"}}) {
+         {std::pair{!o.date.empty(), "--date"}, std::pair{o.temperature.has_value(), "--temperature"},
+          std::pair{!l.maps.empty(), "--map"}, std::pair{!l.gain.empty(), "--gain"},
+          std::pair{!l.lead.empty(), "--lead"}, std::pair{!l.where.empty(), "--where"},
+          std::pair{!l.runs.empty(), "--runs"}, std::pair{!l.sample_time.empty(), "--sample-time"},
+          std::pair{!l.keep.empty(), "--keep"}}) {
       if (given) refuse_option(option, "goes with logs (without any, the trend of the archive is drawn)");
     }
     std::error_code ignored;

@@ -138,6 +138,22 @@ void write_elastic(const ident::residual::Elastic& e, ident::Result& r) {
       100.0 * share, e.frequency, e.damping, e.frequency, share, e.damping));
 }
 
+std::string in_words(double size, double half_width, double hangs_at, const ident::Shown& people) {
+  return fmt::format(
+      "a force of {} (95 %: ±{}) follows the sine of the angle, the heavy side hangs down at {}: weight of an arm or of an unbalanced table",
+      people.force(size), people.force(half_width), people.length(hangs_at));
+}
+
+/// Over many turns the fit itself finds the weight.
+void name_unbalance(bool rotary, ident::Result& r) {
+  const ident::Parameter* size = r.find("unbalance");
+  const ident::Parameter* angle = r.find("unbalance_hangs_at");
+  if (size == nullptr || angle == nullptr) return;
+  r.warnings.push_back(in_words(size->value, 0.5 * (size->ci_high - size->ci_low), angle->value,
+                                ident::Shown(r.position_unit, r.force_unit, rotary)) +
+                       "; it stands among the periodic terms, with one turn as its period");
+}
+
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
   const double size = std::hypot(u.sine, u.cosine);
   const double phase = std::atan2(-u.cosine, u.sine);
@@ -150,8 +166,7 @@ void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Re
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
   const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force of {} (95 %: ±{}) follows the sine of the angle, the heavy side hangs down at {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
-      people.force(size), people.force(u.half_width), people.length(phase),
+      "{}; it was taken off the log and the fit made again{}", in_words(size, u.half_width, phase, people),
       room ? "; it stands among the periodic terms, with one turn as its period" : ""));
 }
 
@@ -207,7 +222,16 @@ struct Cleaned {
   ident::residual::Diagnosis taken;
   AxisRecords axis;
   Identification found;
+
+  [[nodiscard]] ident::residual::LogsAndModel both() const { return {axis.records, found.result}; }
 };
+
+/// Whether `a` leaves less than this share of what `b` leaves.
+bool leaves_less(const ident::residual::LogsAndModel& a, double share,
+                 const ident::residual::LogsAndModel& b) {
+  const auto [of_a, of_b] = ident::residual::both_leave(a, b);
+  return of_a < share * of_b;
+}
 
 /// `by` has the shift between force and motion.
 Cleaned clean(const AxisRecords& axis, const ident::residual::Diagnosis& taken, const ident::Result& by,
@@ -259,35 +283,29 @@ struct TakenOff {
   ident::residual::Diagnosis taken;
   ident::residual::Diagnosis left;  ///< in the logs without them
   std::optional<Cleaned> last;      ///< absent where nothing was tried
-  double rms = kNaN;                ///< that the logs leave
 };
 
 /// `d`: what the logs hold. `rigid`: no elastic drive among it.
 TakenOff taken_off(const AxisRecords& axis, ident::residual::Diagnosis d, Method by, const Identify& method,
                    bool rigid) {
   TakenOff out;
-  auto& [taken, left_now, last, rms] = out;
+  auto& [taken, left_now, last] = out;
   for (int pass = 0; pass < kPasses && may_run_again(by); ++pass) {
     if (rigid) d.elastic.reset();
     ident::residual::Diagnosis next = d, more = taken;
     if (!prepare(next, more)) break;
     // Both sides of the comparison are identified in the same way.
-    if (std::isnan(rms)) {
-      last = Cleaned{taken, axis, method(axis, Depth::kSteady)};
-      rms = ident::residual::diagnose(axis.records, last->found.result, false).quality.rms;
-    }
+    if (!last) last = Cleaned{taken, axis, method(axis, Depth::kSteady)};
     const ident::Result before = last->found.result;
     Cleaned now = refined(clean(axis, more, before, method), taken, before, axis, method);
-    ident::residual::Diagnosis left = ident::residual::diagnose(now.axis.records, now.found.result, false);
     const double least = next.elastic ? kMuchBetter : is_sure(next) ? 1.0 : kBetter;
-    if (!(left.quality.rms < least * rms)) {
+    if (!leaves_less(now.both(), least, last->both())) {
       if (!next.elastic) break;
       d.elastic.reset();  // the other forces remain
       continue;
     }
     taken = now.taken;
-    rms = left.quality.rms;
-    d = std::move(left);
+    d = ident::residual::diagnose(now.axis.records, now.found.result, false);
     last = std::move(now);
   }
   if (taken.elastic && (taken.spring || taken.unbalance)) {
@@ -295,8 +313,7 @@ TakenOff taken_off(const AxisRecords& axis, ident::residual::Diagnosis d, Method
     ident::residual::Diagnosis without_elastic = taken;
     without_elastic.elastic.reset();
     Cleaned now = clean(axis, without_elastic, last->found.result, method);
-    if (kMuchBetter * ident::residual::diagnose(now.axis.records, now.found.result, false).quality.rms <
-        rms) {
+    if (leaves_less(now.both(), 1.0 / kMuchBetter, last->both())) {
       taken = std::move(without_elastic);
       last = std::move(now);
     }
@@ -325,12 +342,10 @@ std::optional<TakenOff> elastic_in_place_of_shift(const AxisRecords& axis, const
   // Without the swing the shift that the logs really have can be found.
   rival.last->axis.as_commanded = false;
   rival.last->found = method(rival.last->axis, Depth::kSteady);
-  rival.rms =
-      ident::residual::diagnose(rival.last->axis.records, rival.last->found.result, false).quality.rms;
-  const double own =
-      std::isnan(off.rms) ? ident::residual::diagnose(axis.records, result, false).quality.rms : off.rms;
+  const ident::residual::LogsAndModel own =
+      off.last ? off.last->both() : ident::residual::LogsAndModel{axis.records, result};
   // Where both hold a swing, the one that needs no shift is as simple as it can be.
-  if (!(rival.rms < (off.taken.elastic ? kAsGood : kMuchBetter) * own)) return {};
+  if (!leaves_less(rival.last->both(), off.taken.elastic ? kAsGood : kMuchBetter, own)) return {};
   return rival;
 }
 
@@ -361,7 +376,8 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
   // An elastic drive that is slow follows the position of the motor as a spring does: where the spring alone explains as much, it is one.
   if (off.taken.elastic && (d.spring || d.unbalance)) {
     TakenOff rigid = taken_off(axis, d, found.result.method, method, true);
-    if (kMuchBetter * rigid.rms < off.rms) off = std::move(rigid);
+    if (rigid.last && off.last && leaves_less(rigid.last->both(), 1.0 / kMuchBetter, off.last->both()))
+      off = std::move(rigid);
   }
   if (std::optional<TakenOff> rival = elastic_in_place_of_shift(axis, found, off, method))
     off = std::move(*rival);
@@ -373,6 +389,7 @@ Identification diagnosed(const AxisRecords& logged, Identification found, const 
     d = ident::residual::diagnose(last->axis.records, found.result, false);
     if (found.result.method == Method::kJog) without_mass(found.result);
   }
+  name_unbalance(axis.rotary, found.result);
   if (taken.elastic) write_elastic(*taken.elastic, found.result);
   found.elastic = taken.elastic;
   if (taken.spring) write_spring(*taken.spring, d.quality, axis.rotary, found.result);

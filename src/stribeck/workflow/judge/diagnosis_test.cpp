@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/identify.hpp>
@@ -119,6 +120,43 @@ TEST(Diagnosis, ASwingThatLastsIsNoShiftOfManyRows) {
   EXPECT_NEAR(found.result.mass, 15.0, 0.15);
   EXPECT_LT(found.result.mass_interval.low, 15.0);
   EXPECT_GT(found.result.mass_interval.high, 15.0);
+}
+
+/// A rotary table whose axis lies, with a weight of 38 N m that hangs down at 40 deg: a swing to and fro over seven turns, friction that
+/// falls by a tenth while it warms up, and teeth of 15 deg. The position has steps of 0.001 deg.
+std::string unbalanced_table_log() {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0.0, 0.5);
+  constexpr double kDegree = std::numbers::pi / 180.0, kTurn = 2.0 * std::numbers::pi, kPeriod = 45.0;
+  std::string out = "t [s],x [deg],r [deg],f [N m]\n";
+  for (int k = 0; k < 45'000; ++k) {
+    const double t = kStep * k, w = kTurn / kPeriod;
+    const double x = 3.5 * kTurn * std::sin(w * t), v = 3.5 * kTurn * w * std::cos(w * t), a = -w * w * x;
+    const double friction = (40.0 * std::tanh(v / 1e-3) + 9.0 * v) * (1.0 - 0.1 * t / 225.0);
+    const double f = 14.0 * a + friction + 38.0 * std::sin(x - 40.0 * kDegree) +
+                     2.5 * std::sin(24.0 * x - 0.3) + noise(random);
+    out += fmt::format("{:.4f},{:.3f},{:.5f},{:.3f}\n", t, x / kDegree, x / kDegree, f);
+  }
+  return out;
+}
+
+// Among the periodic terms the weight had a period of 359.6 deg, and was out of phase fifty turns away.
+TEST(Diagnosis, AWeightOverManyTurnsRepeatsEveryTurn) {
+  const test::Folder folder;
+  workflow::LogOptions options;
+  options.drive.rotary = true;
+  const auto found =
+      workflow::identify(workflow::read_axis({folder.write("log.csv", unbalanced_table_log())}, options), {});
+  const ident::Parameter* weight = found.result.find("unbalance");
+  const ident::Parameter* angle = found.result.find("unbalance_hangs_at");
+  ASSERT_NE(weight, nullptr);
+  ASSERT_NE(angle, nullptr);
+  EXPECT_NEAR(weight->value, 38.0, 0.2);
+  EXPECT_NEAR(angle->value, 40.0 * std::numbers::pi / 180.0, 0.01);
+  const auto& terms = found.result.friction.eccentric;
+  ASSERT_EQ(terms.size(), 2u);
+  EXPECT_NEAR(terms[0].period, std::numbers::pi / 12.0, 1e-4);
+  EXPECT_TRUE(friction::is_unbalance(terms[1]));
 }
 
 }  // namespace

@@ -128,6 +128,19 @@ std::string one_direction(const OfDirections& of, double others, const ident::Sh
       ahead ? "forward" : "backward");
 }
 
+/// A wrong scale of the force is in every part of it: no part alone explains as much. Share 0: it is not that.
+Alone wrong_scale(const std::vector<double>& missed, const std::vector<double>& modelled, double others) {
+  constexpr double kNearlyAll = 0.9, kClearlyLess = 0.95;
+  const Alone scale = alone(missed, [&](std::size_t k) { return modelled[k]; });
+  return scale.share > kNearlyAll && others < kClearlyLess * scale.share ? scale : Alone{};
+}
+
+std::string scale_in_words(double by) {
+  return fmt::format(
+      "the same share of all its forces, {:.3g} % {} than in the file: a wrong --gain, or another scale of the force in the machine file",
+      100.0 * std::abs(by), by > 0.0 ? "more" : "less");
+}
+
 }  // namespace
 
 std::string missed_in_words(const std::string& file, const friction::AxisModel& model,
@@ -172,6 +185,8 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
   const OfDirections of = directions(missed, e.velocity, kMoves * top);
   if (const std::string what = one_direction(of, best, shown); !what.empty())
     return sentence({0.0, of.share}, what);
+  if (const Alone scale = wrong_scale(missed, e.modelled, best); scale.share > 0.0)
+    return sentence(scale, scale_in_words(scale.by));
   if (!(best > kShare)) {
     Repeats r = repeats_with(place, varying, e.velocity, kMoves * top);
     r.share *= 1.0 - load.share;

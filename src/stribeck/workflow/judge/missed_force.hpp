@@ -1,7 +1,7 @@
 #pragma once
 /// What a model misses of the force of a log, where one quantity explains most of it: a load, a mass, a spring, Coulomb or viscous friction.
 ///
-/// The residual is fitted by each of these alone. One with at least half of its squares is named, with its size; of a sine, a mass
+/// The residual is fitted by each of these alone, and by the whole force, as a wrong scale makes it. One with at least half of its squares is named, with its size; of a sine, a mass
 /// and a spring look the same.
 /// Not modelled: two of them at once. Real time: no. Errors: none.
 

@@ -13,6 +13,7 @@
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/missed_force.hpp>
 #include <stribeck/workflow/judge/own_logs.hpp>
+#include <stribeck/workflow/judge/untested.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
@@ -196,14 +197,15 @@ void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<s
   if (!e.of_rests()) return;
   const bool bristles = friction::has_pre_sliding(m.model.friction.dynamics);
   warnings.push_back(fmt::format(
-      "{}: in {:.0f} % of the rows the axis stands, where {}; the model is judged where the axis moves: there the error is {:.3g} %, "
-      "in all rows {:.3g} % ({} a motion without rests)",
-      m.file, 100.0 * e.at_rest,
+      "{}: in {:.0f} % of the rows the axis {}; the model is judged in the others: there the error is {:.3g} %, "
+      "in all rows {:.3g} % ({})",
+      m.file, 100.0 * (e.at_rest + e.unsettled),
       bristles
-          ? "its force lies anywhere within its friction, and the encoder hardly shows how the bristles are strained"
-          : "a model without pre-sliding knows no force",
+          ? "stands, where its force lies anywhere within its friction, and the encoder hardly shows how the bristles are strained"
+          : "stands or has just turned round, where a model without pre-sliding knows no force",
       100.0 * e.moving_relative, 100.0 * e.own_relative,
-      bristles ? "verify with" : "identify the pre-sliding, or verify with"));
+      bristles ? "verify with a motion without rests"
+               : "identify the pre-sliding with slow jogs, or verify with a longer motion without rests"));
 }
 
 /// The record without the force of a drive that gives way between motor and table, which no axis file holds, and a note; absent where
@@ -396,6 +398,10 @@ class Verification {
     one.told_from = m.told_from;
     if (std::string missed = missed_in_words(m.file, m.model, one.force, record); !missed.empty())
       notes.push_back(std::move(missed));
+    if (100.0 * one.force.moving_relative <= o_.limits.usable) {
+      for (std::string& text : untested_in_words(m.file, m.model, record, o_.limits.good))
+        notes.push_back(std::move(text));
+    }
     note_beyond_spring(m, record, notes);
     ident::replay::ReplayOptions open;
     const double most = kMostGivenShift * record.sample_time;

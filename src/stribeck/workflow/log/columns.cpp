@@ -23,7 +23,8 @@ LogQuantity quantity_called(std::string_view name) {
   std::string names;
   for (const auto& [value, word] : EnumNames<LogQuantity>::names)
     names += (names.empty() ? "" : ", ") + std::string(word);
-  refuse_option("--map", fmt::format("unknown quantity {}, expected one of {}", io::in_quotes(name), names));
+  refuse_option("--map",
+                fmt::format("unknown quantity {}, expected one of {}, or none", io::in_quotes(name), names));
 }
 
 /// "1/s", "Hz", "1/min": per time, but not of what.
@@ -264,11 +265,15 @@ std::string column_names(const io::Log& log) {
 }
 
 std::string header_with_unit(const NamedColumn& named) {
-  return header_of(*named.column) + (named.unit.empty() ? "" : " [" + named.unit + "]");
+  std::string name = header_of(*named.column);
+  for (const io::Column* other : named.beside) name += " + " + header_of(*other);
+  for (const io::Column* other : named.against) name += " - " + header_of(*other);
+  return name + (named.unit.empty() ? "" : " [" + named.unit + "]");
 }
 
 AxisColumns::AxisColumns(const io::Log& log, const LogOptions& options) : log_(log), axis_(options.axis) {
   for (const std::string& text : options.maps) {
+    if (text.starts_with(kNotUsed)) continue;  // read_log() left it out
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals + 1 == text.size()) {
       refuse_option("--map",

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -224,6 +225,17 @@ Effort with_gain(Candidates found, const std::string& gain, const MotionColumns&
   refuse_gain(found, gain);
 }
 
+/// Whether all values are whole numbers, and more than a few.
+bool are_whole(const io::Column& column) {
+  constexpr double kFew = 20.0;
+  double most = 0.0;
+  for (const double value : column.values) {
+    if (std::isfinite(value) && value != std::round(value)) return false;
+    if (std::isfinite(value)) most = std::max(most, std::abs(value));
+  }
+  return most > kFew;
+}
+
 /// Notes the unit of an effort whose scale is not known.
 void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
   const std::string& unit = e.from.unit;
@@ -252,8 +264,11 @@ void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
   if (unit.empty() && e.what != LogQuantity::kPercent) {
     notes.push_back(fmt::format(
         "the scale of the force is not known: {0} has no unit and is identified as it is (say what it is, with "
-        "--map torque=\"{1} N m\", current=\"{1} A\" or percent=\"{1} %\", and give --gain)",
-        io::in_quotes(header_of(*e.from.column)), e.from.column->name));
+        "--map torque=\"{1} N m\", current=\"{1} A\", percent=\"{1} %\" or percent=\"{1} ‰\"{2}, and give --gain, or a machine file "
+        "with the drive)",
+        io::in_quotes(header_of(*e.from.column)), e.from.column->name,
+        are_whole(*e.from.column) ? " (whole numbers, as here, are mostly per mille of the rated torque)"
+                                  : ""));
     return;
   }
   notes.push_back(
@@ -294,10 +309,17 @@ bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& option
     // "8 N", "8 N/A" of an axis that is carried at a radius of 1 m.
     if (const auto newton = scale.find(" N"); options.drive.rotary && newton != std::string::npos)
       scale.insert(newton + 2, " m");
-    notes.push_back(fmt::format("the {} is that of column {} with {}{}, from the drive of the machine file",
-                                options.drive.rotary ? "torque" : "force",
-                                io::in_quotes(header_of(*e.from.column)), scale,
+    // The scale is that of all motors together.
+    const bool several = !e.from.beside.empty() || !e.from.against.empty();
+    const char* of_several = options.drive.motors > 1 ? "the mean of columns " : "the sum of columns ";
+    std::string from = (several ? of_several : "column ") + io::in_quotes(header_of(*e.from.column));
+    for (const io::Column* other : e.from.beside) from += ", " + io::in_quotes(header_of(*other));
+    for (const io::Column* other : e.from.against) from += ", less " + io::in_quotes(header_of(*other));
+    notes.push_back(fmt::format("the {} is that of {} with {}{}, from the drive of the machine file",
+                                options.drive.rotary ? "torque" : "force", from, scale,
                                 e.what == LogQuantity::kPercent ? " at 100 %" : ""));
+    if (e.what == LogQuantity::kCurrent && !options.drive.ampere_doubt.empty())
+      notes.push_back("the scale of the current is doubtful: " + options.drive.ampere_doubt);
   }
   return true;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 #include <stribeck/workflow/log/fingerprint.hpp>
 
@@ -45,6 +46,24 @@ bool Fingerprint::within(const Fingerprint& other) const {
     return std::binary_search(other.kept_.begin(), other.kept_.end(), h);
   });
   return static_cast<double>(shared) >= kNearlyAll * static_cast<double>(kept_.size());
+}
+
+std::vector<std::optional<std::size_t>> holders_of(const std::vector<Fingerprint>& prints) {
+  std::vector<std::size_t> order(prints.size()), kept;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return prints[a].size() > prints[b].size(); });
+  std::vector<std::optional<std::size_t>> out(prints.size());
+  for (const std::size_t i : order) {
+    const auto holder =
+        std::find_if(kept.begin(), kept.end(), [&](std::size_t k) { return prints[i].within(prints[k]); });
+    if (holder != kept.end()) {
+      out[i] = *holder;
+    } else {
+      kept.push_back(i);
+    }
+  }
+  return out;
 }
 
 std::string copy_note(const std::string& copy, const std::string& of) {

@@ -8,7 +8,9 @@
 /// Not told: a recording that was exported with other digits, in other units or at another rate.
 /// Real time: no.
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stribeck/ident/log/record.hpp>
 #include <string>
 #include <vector>
@@ -28,6 +30,9 @@ class Fingerprint {
  private:
   std::vector<std::uint64_t> kept_;  ///< ascending, each once
 };
+
+/// For each log that another one holds, the number of that one; the longest log stays, of equal ones the first.
+std::vector<std::optional<std::size_t>> holders_of(const std::vector<Fingerprint>& prints);
 
 /// Says that a log is left out because another one holds the same rows.
 std::string copy_note(const std::string& copy, const std::string& of);

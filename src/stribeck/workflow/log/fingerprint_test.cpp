@@ -54,5 +54,27 @@ TEST(Fingerprint, RowsAtRestSayNothing) {
   EXPECT_FALSE(of(rest).within(of(rest)));
 }
 
+TEST(Fingerprint, ACopyIsFoundInAnyOrder) {
+  const Rows whole = recording(1);
+  Rows part, less;
+  part.x.assign(whole.x.begin() + 777, whole.x.begin() + 3000);
+  part.f.assign(whole.f.begin() + 777, whole.f.begin() + 3000);
+  less.x.assign(whole.x.begin() + 900, whole.x.begin() + 2900);
+  less.f.assign(whole.f.begin() + 900, whole.f.begin() + 2900);
+  using Holders = std::vector<std::optional<std::size_t>>;
+  const std::optional<std::size_t> none;
+  EXPECT_EQ(holders_of({of(whole), of(recording(2)), of(part)}), (Holders{none, none, 0}));
+  EXPECT_EQ(holders_of({of(less), of(part), of(recording(2)), of(whole)}), (Holders{3, 3, none, none}));
+  EXPECT_EQ(holders_of({of(whole), of(whole)}), (Holders{none, 0}));
+  // Nearly all is enough: of three cuts each one may hold the next.
+  const auto first = [&](std::ptrdiff_t rows) {
+    Rows cut;
+    cut.x.assign(whole.x.begin(), whole.x.begin() + rows);
+    cut.f.assign(whole.f.begin(), whole.f.begin() + rows);
+    return of(cut);
+  };
+  EXPECT_EQ(holders_of({first(3440), first(3720), of(whole)}), (Holders{2, 2, none}));
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::fingerprint_test

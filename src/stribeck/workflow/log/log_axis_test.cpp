@@ -289,6 +289,20 @@ TEST(LogAxis, ScalesOfTheForce) {
   EXPECT_EQ(axis_of(both).force_unit, "A");
 }
 
+// A TwinCAT log whose row of units is empty: the torque of a drive is a whole number of per mille.
+TEST(LogAxis, WholeNumbersWithoutAUnitMayBePerMille) {
+  std::string whole = "t [s],x [mm],Torque\n", broken = whole;
+  for (int k = 0; k < 400; ++k) {
+    const double x = 10.0 * std::sin(0.05 * k);
+    whole += fmt::format("{:.3f},{:.5f},{}\n", 1e-3 * k, x, k % 90 - 45);
+    broken += fmt::format("{:.3f},{:.5f},{:.2f}\n", 1e-3 * k, x, 0.37 * (k % 90) - 45.0);
+  }
+  const auto notes = [](const std::string& text) { return workflow::logged_axis(log_of(text), {}).notes; };
+  EXPECT_THAT(notes(whole), Contains(HasSubstr("mostly per mille of the rated torque")));
+  EXPECT_THAT(notes(broken),
+              Contains(AllOf(HasSubstr("percent=\"Torque ‰\""), Not(HasSubstr("mostly per mille")))));
+}
+
 // 8 N at a radius of 1 m are 8 N m to whoever reads it.
 TEST(LogAxis, TheScaleOfAnAxisThatTurnsIsATorque) {
   workflow::LogOptions options;
@@ -436,6 +450,21 @@ TEST(LogAxis, ATimeMayHaveAFactor) {
   EXPECT_DOUBLE_EQ(axis.runs[0].x.t[2], 1.0);
 }
 
+// A command that is in the log, but not that of this motion.
+TEST(LogAxis, AColumnCanBeLeftOut) {
+  const test::Folder folder;
+  const std::string file =
+      folder.write("log.csv", "t [s],x [mm],r [mm],f [N]\n0,1,1,5\n0.1,2,2,6\n0.2,3,3,7\n");
+  workflow::LogOptions options;
+  EXPECT_EQ(workflow::logged_axis(workflow::read_log(file, options), options).runs.at(0).r.y.size(), 3U);
+  options.maps = {"none=r"};
+  const workflow::LoggedAxis axis = workflow::logged_axis(workflow::read_log(file, options), options);
+  EXPECT_TRUE(axis.runs.at(0).r.y.empty());
+  EXPECT_EQ(axis.runs.at(0).x.y.size(), 3U);
+  options.maps = {"none=soll"};
+  EXPECT_THAT([&] { workflow::read_log(file, options); }, ThrowsMessage<io::InputError>(HasSubstr("soll")));
+}
+
 // Every other row has no force; the named time is that of all rows.
 TEST(LogAxis, AChannelOfAnotherRateKeepsItsTimes) {
   std::string text = "stamp,x_mm,f_N\n";
@@ -515,6 +544,10 @@ TEST(LogAxis, AMotorThatIsMountedTheOtherWayRoundIsSubtracted) {
     const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), options);
     // 10 N/A of each; the preload stays where it is added, and counts double where it is subtracted.
     EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(3) - axis.runs.at(0).f.y.at(0), 60.0);
+    EXPECT_THAT(
+        axis.notes,
+        Contains(HasSubstr(mirrored ? "the mean of columns \"Y1 Current (Arms)\", less \"Y2 Current (Arms)\""
+                                    : "the mean of columns \"Y1 Current (Arms)\", \"Y2 Current (Arms)\"")));
     if (mirrored)
       EXPECT_THAT(axis.notes, Contains(HasSubstr("\"Y2 Current (Arms)\" is subtracted: it runs against")));
     else
@@ -539,6 +572,9 @@ TEST(LogAxis, ASecondMotorThatIsNotUsedIsNamed) {
               Contains(HasSubstr("\"Y2 Torque (%)\" of another one is not used")));
   options.maps = {"percent=Y1 Torque (%) % + Y2 Torque (%) %"};
   EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes, Not(Contains(HasSubstr("is not used"))));
+  options.gain.clear();
+  options.drive.at_100_percent = "2000 N";
+  EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes, Contains(HasSubstr("the sum of columns ")));
   // The sides of a gantry may be called axes.
   std::string gantry = "t [s],Y1 Position [mm],Y2 Position [mm],Y1 Current [A],Y2 Current [A]\n";
   for (int k = 0; k < 10; ++k) gantry += fmt::format("{},{},{},3,1\n", 0.001 * k, k, k);
@@ -558,6 +594,11 @@ TEST(LogAxis, AnotherAxisIsNoSecondMotor) {
   const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), options);
   EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(0), 60.0);
   EXPECT_THAT(axis.notes, Contains(HasSubstr("each is taken to give as much")));
+  EXPECT_THAT(axis.notes, Contains(HasSubstr("the preload then counts as a load")));
+  // Named by the user it is still that of one motor.
+  options.maps = {"current=current_1 A"};
+  EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes,
+              Contains(HasSubstr("the preload then counts as a load")));
 }
 
 // The sum was doubled: mass and friction came out twice as large, and a held-out log agreed.

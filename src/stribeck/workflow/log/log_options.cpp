@@ -102,7 +102,13 @@ io::Log read_log(const std::string& path, const LogOptions& options) {
     if (blank != std::string::npos && is_number(name.substr(blank + 1))) name = without_last_word(name);
     read.time_column = std::move(name);
   }
-  return io::read_log(path, read);
+  io::Log log = io::read_log(path, read);
+  for (const std::string& text : options.maps) {
+    if (!text.starts_with(kNotUsed)) continue;
+    const io::Column& left_out = log.at(text.substr(kNotUsed.size()));
+    std::erase_if(log.columns, [&left_out](const io::Column& c) { return &c == &left_out; });
+  }
+  return log;
 }
 
 }  // namespace stribeck::workflow

@@ -54,6 +54,21 @@ TEST(LogsByAxis, FindsTheAxisByWhatALogSaysItsColumnsOrItsName) {
   EXPECT_EQ(workflow::logs_by_axis(two_axes(), {said, named}, only_y).size(), 1u);
 }
 
+TEST(LogsByAxis, WhatTheFileSaysOfALoadGoesWithTheLog) {
+  const Folder folder;
+  const std::string log = folder.write("x.csv", kPlain);
+  workflow::MachineDescription m = two_axes();
+  const auto drive = [&] { return workflow::logs_by_axis(m, {log}, {}).front().options.drive; };
+  EXPECT_FALSE(drive().balanced);
+  EXPECT_FALSE(drive().weighted);
+  m.axes[0].second.commissioning.load = workflow::Rough(0.0);
+  EXPECT_TRUE(drive().balanced);
+  EXPECT_FALSE(drive().weighted);
+  m.axes[0].second.commissioning.load = workflow::Rough(-40.0);
+  EXPECT_FALSE(drive().balanced);
+  EXPECT_TRUE(drive().weighted);
+}
+
 TEST(LogsByAxis, AnAxisThatRestsWhileAnotherMovesHasNoPartInALog) {
   const Folder folder;
   std::string text = "t [s],x_x [mm],f_x [N],x_y [mm],f_y [N]\n";
@@ -67,6 +82,20 @@ TEST(LogsByAxis, AnAxisThatRestsWhileAnotherMovesHasNoPartInALog) {
   only_x.axis = "x";
   ASSERT_EQ(workflow::logs_by_axis(two_axes(), {log}, only_x).size(), 1u);
   EXPECT_EQ(workflow::logs_by_axis(two_axes(), {log}, only_x)[0].axis, "x");
+}
+
+// One step of the encoder to and fro made an axis that rests one that moves: the log had "only 0 rows of sliding" then.
+TEST(LogsByAxis, AnAxisWhoseEncoderGoesToAndFroByAStepRests) {
+  const Folder folder;
+  const auto axes = [&](double resting, double moving) {
+    std::string text = "t [s],x_x [mm],f_x [N],x_y [mm],f_y [N]\n";
+    for (int k = 0; k < 20; ++k)
+      text += fmt::format("{},{},{},{},{}\n", 0.001 * k, 12.5 + (k % 7 == 3 ? resting : 0.0), k % 3,
+                          moving * k, k);
+    return workflow::logs_by_axis(two_axes(), {folder.write("both.csv", text)}, {}).size();
+  };
+  EXPECT_EQ(axes(0.0005, 0.1), 1u);
+  EXPECT_EQ(axes(0.0005, 0.001), 2u) << "beside an axis that moves little it may be a motion";
 }
 
 TEST(LogsByAxis, TakesTheAxisThatIsGivenWhereTheLogSaysNone) {
@@ -94,6 +123,47 @@ TEST(LogsByAxis, RefusesALogThatCouldBeOfAnyAxis) {
   workflow::MachineDescription single = two_axes();
   single.axes.resize(1);
   EXPECT_THAT(workflow::logs_by_axis(single, {log}, {}).front().logs, ElementsAre(log));
+}
+
+// "Temperature C" made a log of x, in mm and N, one of the rotary axis c, which was ready then with 300 kg m2.
+TEST(LogsByAxis, TheSymbolOfAUnitIsNoAxis) {
+  const Folder folder;
+  workflow::MachineDescription m = two_axes();
+  for (const char* name : {"a", "c"}) {
+    m.axes.emplace_back(name, m.axes[0].second);
+    m.axes.back().second.rotary = true;
+  }
+  const auto axis_of = [&](const std::string& name, const std::string& header, int columns) {
+    const auto all = workflow::logs_by_axis(m, {folder.write(name, rows(header, columns))}, {});
+    return all.size() == 1 ? all.front().axis : std::to_string(all.size());
+  };
+  EXPECT_EQ(axis_of("x-1.csv", "Time [s],Position [mm],Force [N],Temperature C", 4), "x");
+  EXPECT_EQ(axis_of("y-1.csv", "t_s,pos_mm,current_a", 3), "y");
+  // Where a position carries the letter too, it is the axis.
+  EXPECT_EQ(axis_of("1.csv", "t [s],pos_a [deg],current_a [A]", 3), "a");
+  EXPECT_EQ(axis_of("2.csv", "t [s],x_c [deg],f_c [N m]", 3), "c");
+  workflow::LogOptions told;
+  told.axis = "y";
+  const std::string plain =
+      folder.write("log.csv", rows("Time [s],Position [mm],Force [N],Temperature C", 4));
+  EXPECT_EQ(workflow::logs_by_axis(m, {plain}, told).at(0).axis, "y");
+}
+
+TEST(LogsByAxis, ALengthIsNoPositionOfAnAxisThatTurns) {
+  const Folder folder;
+  workflow::MachineDescription m = two_axes();
+  m.axes.resize(1);
+  m.axes[0].second.rotary = true;
+  const auto last = [&](const std::string& text) {
+    const std::string log = folder.write("log.csv", text);
+    const workflow::LogOptions options = workflow::logs_by_axis(m, {log}, {}).front().options;
+    return workflow::logged_axis(workflow::read_log(log, options), options).runs.front().x.y.back();
+  };
+  EXPECT_THAT([&] { last(kPlain); },
+              ::testing::ThrowsMessage<io::InputError>(
+                  AllOf(HasSubstr("is a length (mm), and axis x turns"), HasSubstr("# rotary: arcs"))));
+  // Simulated logs say that their lengths are arcs.
+  EXPECT_NEAR(last("# rotary: arcs\n" + kPlain), 1.9e-3, 1e-12);
 }
 
 // Screw of 10 mm behind a gear of 2, 1.5 N m at 100 %: one turn of the motor is 5 mm, 100 % are 1.5·2π/5e-3 N.

@@ -13,6 +13,7 @@
 #include <stribeck/workflow/log/motion_columns.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/names/proposed_maps.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -214,6 +215,19 @@ void convert(const io::Log& log, MotionColumn& m) {
   m.conversion = linear ? *linear : *turning;
 }
 
+/// Refuses a length as the position of an axis that turns, but for a log that says itself that its lengths are arcs.
+void refuse_length_of_table(const io::Log& log, const MotionColumn& m, const LogOptions& options) {
+  const bool told = std::any_of(log.metadata.begin(), log.metadata.end(),
+                                [](const auto& entry) { return entry.first == kRotaryKey; });
+  if (!options.drive.rotary || m.angle || told) return;
+  refuse_column(
+      log, m.from,
+      fmt::format(
+          "is a length ({}), and {} turns: expected an angle (give the log of this axis, or say of which axis this log "
+          "is with --axis; lengths that are arcs at a radius of 1 m need the line \"# {}: arcs\" at the head of the log)",
+          m.from.unit, options.axis.empty() ? "this axis" : "axis " + options.axis, kRotaryKey));
+}
+
 /// Refuses columns that disagree on whether the axis is an angle.
 void check_agreement(const io::Log& log, const MotionColumn& m, const MotionColumns& motion) {
   if (m.angle && motion.per_radian == 0.0 && !motion.angle) {
@@ -281,6 +295,7 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
       continue;
     }
     convert(log, m);
+    if (base) refuse_length_of_table(log, m, options);
     if (base) motion.angle = m.angle && motion.per_radian == 0.0;
     check_agreement(log, m, motion);
     if (m.angle && !motion.angle) m.factor = motion.per_radian_of(m.from.unit);

@@ -114,6 +114,14 @@ bool is_named_sum(const std::string& header) {
   });
 }
 
+/// Of a log with the force of one motor alone.
+std::string each_like(int motors, const std::string& column) {
+  return fmt::format(
+      "the axis has {} motors; each is taken to give as much as {} says (motors that are preloaded against each other do not: the preload "
+      "then counts as a load; record the force of each)",
+      motors, column);
+}
+
 }  // namespace
 
 void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vector<std::string>& notes) {
@@ -123,7 +131,10 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
     const std::vector<const io::Column*> others =
         of_other_motors(columns.log(), columns.axis(), *e.from.column, motors);
     if (columns.mapped(e.what)) {
-      if (others.empty()) return;
+      if (others.empty()) {
+        notes.push_back(each_like(motors, first));
+        return;
+      }
       std::string sum = header_of(*e.from.column);
       for (const io::Column* other : others) sum += " + " + header_of(*other);
       notes.push_back(fmt::format(
@@ -141,8 +152,7 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
     }
     e.from.beside = others;
     if (others.empty()) {
-      notes.push_back(
-          fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first));
+      notes.push_back(each_like(motors, first));
     } else {
       take_mirrored_apart(e.from, motors, notes);
     }
@@ -173,8 +183,9 @@ void note_second_motor(const Effort& e, const AxisColumns& columns, int motors,
       "{} is the column of one motor, and {} of another one is not used: where both drive the axis, {}, or their sum with the gain of "
       "one motor, --map {}=\"{} + {}\"",
       io::in_quotes(one), io::in_quotes(other),
-      motors > 1 ? "leave --gain out, so that the scale of the machine file and both columns are taken"
-                 : "give a machine file with motors = 2",
+      motors > 1
+          ? "name a unit that the machine file knows (‰, %, A or N m) and no --gain, so that its scale and both columns are taken"
+          : "give a machine file with motors = 2",
       enum_name(e.what), one, other));
 }
 

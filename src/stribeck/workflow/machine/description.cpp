@@ -9,7 +9,9 @@
 namespace stribeck::workflow {
 namespace {
 
-constexpr double kSampledWell = 0.2;   // ω·T
+constexpr double kSampledWell = 0.2;  // ω·T
+constexpr double kOfDelay =
+    0.3;  // ω times one and a half periods and the delay: 43 degrees of margin with eight periods
 constexpr double kRipple = 0.15;       // of the friction, by one step of the encoder
 constexpr double kShort = 1e-3;        // [s]: what a force does over less is hardly seen in the motion
 constexpr double kSpike = 0.1;         // of the force limit, by one step of the encoder over a shorter period
@@ -26,7 +28,9 @@ Proposed from_file(double value) { return {value, "as the machine file says"}; }
 
 Proposed omega_of(const AxisDescription& axis, double period) {
   const AxisUnits& units = units_of(axis.rotary);
-  const double sampled = kSampledWell / period;
+  const double delay =
+      axis.plant ? (axis.plant->delay_periods + axis.plant->delay_fraction.value_or(0.0)) * period : 0.0;
+  const double sampled = kSampledWell / period, late = kOfDelay / (1.5 * period + delay);
   const double step = axis.name_plate().encoder_resolution;
   const double mass = axis.commissioning.mass.middle();
   const double friction = axis.commissioning.friction.middle();
@@ -38,7 +42,7 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   const double quiet = step > 0.0 ? impulse / (2.0 * mass * step) : kInfinity;
   const double off = kOff * (axis.limits.travel_max - axis.limits.travel_min);
   const double firm = std::min(std::sqrt(friction / (mass * off)), quiet * kRippleAtMost / kRipple);
-  Proposed p{std::min({sampled, std::max(quiet, firm), kStiff}), {}};
+  Proposed p{std::min({sampled, late, std::max(quiet, firm), kStiff}), {}};
   if (p.value == firm) {
     p.reason = fmt::format(
         "below it friction alone would hold the axis more than {:.3g} {} off its reference; one step of the encoder "
@@ -52,13 +56,17 @@ Proposed omega_of(const AxisDescription& axis, double period) {
         impulse == spike ? "its limit"
         : brief          ? "the friction, as a mean over 1 ms"
                          : "the friction");
+  } else if (delay > 0.0 && p.value == late) {
+    p.reason =
+        fmt::format("{:g} over one and a half control periods and the delay of {:.3g} ms: margins stay",
+                    kOfDelay, 1e3 * delay);
   } else if (p.value == sampled) {
     p.reason = fmt::format("{:g} over the control period: the loop is sampled well", kSampledWell);
   } else {
     p.reason = "elasticity of a common drive is not excited";
   }
   if (p.value < kSlowest) {
-    p = {std::min(kSlowest, sampled),
+    p = {std::min({kSlowest, sampled, late}),
          fmt::format(
              "the least that holds an axis; the encoder is coarse: one step moves the force by {:.2g} {}",
              2.0 * kSlowest * mass * step / period, units.force)};

@@ -4,6 +4,7 @@
 /// the controllers know: values that the file leaves out are proposed from the others.
 ///
 ///   ω ≤ 0.2/T             the loop samples a double pole well
+///   ω ≤ 0.3/(1.5·T + d)   and bears the delay d of a virtual drive; without one it is the same
 ///   ω ≤ 0.15·F·T/(2·m·q)  a step q of the encoder, differenced, moves the force by at most 15 % of the friction
 ///   ω ≤ 80 rad/s          elasticity of the drive is not excited
 ///   ω ≥ √(F/(m·e))        against friction alone the loop is off by no more than e, 0.5 % of the travel; for this the
@@ -134,7 +135,8 @@ struct RoughAxis {
         field(
             "load", &C::load, quantity("N", "N"),
             "constant force against the positive direction, e.g. weight less counterbalance; one value or a range of two, "
-            "e.g. empty and with the heaviest workpiece; left out: none")
+            "e.g. empty and with the heaviest workpiece; half of what differs by direction is then taken for a load; 0 N: nothing pulls the "
+            "axis, so that it is friction; left out: none is known")
             .or_default(),
         field(
             "unbalance", &C::unbalance,

@@ -119,6 +119,13 @@ constexpr std::string_view heading_of(std::string_view group) {
                                  : "known roughly before identification";
 }
 
+/// Keys of the loop of a drive, which the file has where one of them is given.
+constexpr std::array<Asked, 5> kLoop{Asked{"drive_loop", "mode", "position", true},
+                                     Asked{"drive_loop", "gain", "20 N s/mm", true, "5 N m s/deg"},
+                                     Asked{"drive_loop", "integral_time", "10 ms", false},
+                                     Asked{"drive_loop", "position_gain", "50 1/s", true},
+                                     Asked{"drive_loop", "velocity_feedforward", "1", true}};
+
 /// Keys of the file in the groups that init writes: those that it asks for, and behind them the others of the group.
 const std::vector<Asked>& known_keys() {
   static const std::vector<Asked> kAll = [] {
@@ -128,6 +135,7 @@ const std::vector<Asked>& known_keys() {
       for (const Asked& a : asked_keys()) {
         if (a.group == group) some.push_back(a);
       }
+      if (group == kLoop.front().group) some.assign(kLoop.begin(), kLoop.end());
       const Type& type = type_of_group(group);
       for (std::size_t i = 0; i < type.field_count; ++i) {
         const std::string_view key = type.fields[i].name;
@@ -140,6 +148,19 @@ const std::vector<Asked>& known_keys() {
     return all;
   }();
   return kAll;
+}
+
+/// Whether a draft has a line for a key that is not given: of the loop of a drive where a key of it is given, and of its position loop where
+/// the mode says so.
+bool worth_a_line(const MachineDraft& draft, const std::string& axis, const Asked& key) {
+  if (key.group != kLoop.front().group) return true;
+  const auto given = [&](const Asked& a) { return draft.find(full_key(axis, a)) != nullptr; };
+  if (std::none_of(known_keys().begin(), known_keys().end(),
+                   [&](const Asked& a) { return a.group == key.group && given(a); }))
+    return false;
+  const std::string* mode = draft.find(full_key(axis, kLoop.front()));
+  const bool position = mode != nullptr ? *mode == "position" : given(kLoop[3]) || given(kLoop[4]);
+  return position || (key.key != "position_gain" && key.key != "velocity_feedforward");
 }
 
 /// Keys of a drive of which the file takes one: a motor has torque or force, and the travel per turn is said once.
@@ -321,7 +342,7 @@ std::string draft_text(const MachineDraft& d) {
           "\n[axes.{}]\nrotary = true  # angles for lengths, N m for forces, kg m2 for the mass\n", axis);
     for (const Asked& a : known_keys()) {
       const std::string* value = d.find(full_key(axis, a));
-      if (a.example.empty() && value == nullptr) continue;
+      if (value == nullptr && (a.example.empty() || !worth_a_line(d, axis, a))) continue;
       if (a.group != group) {
         group = a.group;
         out += fmt::format("\n[axes.{}.{}]  # {}\n", axis, group, heading_of(group));
@@ -341,6 +362,10 @@ std::vector<std::string> open_keys(const MachineDraft& d) {
   for (const std::string& axis : d.axes) {
     for (const Asked& a : asked_keys()) {
       if (a.needed && d.find(full_key(axis, a)) == nullptr) open.push_back(full_key(axis, a));
+    }
+    for (const Asked& a : kLoop) {
+      if (a.needed && d.find(full_key(axis, a)) == nullptr && worth_a_line(d, axis, a))
+        open.push_back(full_key(axis, a));
     }
   }
   return open;

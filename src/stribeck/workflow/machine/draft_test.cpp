@@ -11,6 +11,9 @@
 namespace stribeck::workflow::draft_test {
 namespace {
 
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::StartsWith;
 
@@ -69,6 +72,28 @@ TEST(MachineDraft, NamesTheKeyOnceAndNoQuotes) {
   EXPECT_THAT(refusal(draft, "x.limits.speed", "x.limits.speed", "20 rpm"),
               StartsWith("x.limits.speed: got \"20 rpm\" beside"));
   EXPECT_THAT(refusal(draft, "--set", "x.drive.brake", "maybe"), Not(testing::HasSubstr("quotes")));
+}
+
+// Without these lines the file lacked a gain, of which nobody had told.
+TEST(MachineDraft, HasLinesForTheLoopOfADriveThatIsBegun) {
+  MachineDraft draft{"m", "1 ms", {"x", "y"}, {{"x.drive_loop.mode", "position"}}};
+  EXPECT_THAT(draft_text(draft), HasSubstr("\n# FILL IN: gain = \"20 N s/mm\"  # gain of the velocity loop"));
+  EXPECT_THAT(draft_text(draft), HasSubstr("\n# FILL IN: velocity_feedforward = 1  # "));
+  EXPECT_THAT(open_keys(draft), IsSupersetOf({"x.drive_loop.gain", "x.drive_loop.position_gain"}));
+  EXPECT_THAT(open_keys(draft), Not(Contains("y.drive_loop.gain")));
+  EXPECT_THAT(open_keys(draft), Not(Contains("x.drive_loop.mode")));
+
+  draft.values = {{"x.drive_loop.gain", "5 N s/mm"}, {"x.limits.travel_max", "600 mm"}};
+  EXPECT_THAT(open_keys(draft), Contains("x.drive_loop.mode"));
+  EXPECT_THAT(open_keys(draft), Not(Contains("x.drive_loop.position_gain")));
+  EXPECT_THAT(draft_text(draft), HasSubstr("\n# integral_time = \"10 ms\""));
+
+  draft.values = {{"x.drive_loop.position_gain", "50 1/s"}};
+  EXPECT_THAT(open_keys(draft), IsSupersetOf({"x.drive_loop.mode", "x.drive_loop.velocity_feedforward"}));
+  EXPECT_THAT(draft_text(draft), HasSubstr("\n# FILL IN: mode = \"position\""));
+
+  draft.values = {{"x.limits.travel_max", "600 mm"}};
+  EXPECT_THAT(draft_text(draft), Not(HasSubstr("drive_loop")));
 }
 
 TEST(MachineDraft, TakesYesAndNo) {

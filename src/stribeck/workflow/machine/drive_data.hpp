@@ -8,11 +8,14 @@
 /// Not modelled: efficiency of the transmission; less torque at high speed.
 /// Real time: configure only.
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
+#include <string>
 
 namespace stribeck::workflow {
 
@@ -125,7 +128,8 @@ struct DriveData {
           "missing, expected rated_torque or rated_force, or torque_constant (force_constant), which is enough for logs in A; for logs in "
           "percent with rated_current");
     }
-    const std::optional<double> largest = at_axis(peak_torque, peak_force, peak_current);
+    std::optional<double> largest = at_axis(peak_torque, peak_force, peak_current);
+    if (!largest && peak_current && per_ampere()) largest = *per_ampere() * *peak_current;
     if (rated() && largest && *largest < *rated())
       report(linear ? "peak_force" : "peak_torque", "below the rated value, expected at least that");
   }
@@ -151,9 +155,25 @@ struct DriveData {
     if (force_constant) return motors * *force_constant;
     return std::nullopt;
   }
+  /// Where the constant of the motor and its rated values do not belong together, in words; empty: they do, or are not both there.
+  [[nodiscard]] std::string constant_doubt() const {
+    constexpr double kApart = 0.15;  // saturation and a warm motor lie below
+    const std::optional<double> constant = torque_constant ? torque_constant : force_constant;
+    const std::optional<double> value = torque_constant ? rated_torque : rated_force;
+    if (!constant || !value || !rated_current) return {};
+    const double made = *value / *rated_current;
+    if (std::abs(*constant - made) <= kApart * made) return {};
+    const char* const what = torque_constant ? "torque" : "force";
+    const char* const unit = torque_constant ? "N m/A" : "N/A";
+    return fmt::format(
+        "rated_{0} over rated_current is {1:.4g} {2}, and {0}_constant {3:.4g} {2}: the first is taken; correct the wrong one, or leave "
+        "it out (is one current a peak value, the other an RMS value?)",
+        what, made, unit, *constant);
+  }
   /// Largest force on the axis [N]; of peak value and set limit the smaller.
   [[nodiscard]] std::optional<double> peak() const noexcept {
     std::optional<double> most = at_axis(peak_torque, peak_force, peak_current);
+    if (!most && peak_current && per_ampere()) most = *per_ampere() * *peak_current;
     const std::optional<double> all = rated();
     if (torque_limit && all) most = std::fmin(most.value_or(INFINITY), *torque_limit * *all);
     return most;

@@ -142,6 +142,8 @@ class Explanation {
                 : std::string());
       out_.numbers["force_at_100_percent_N"] = *rated;
     }
+    if (const std::string doubt = a_.drive ? a_.drive->constant_doubt() : std::string(); !doubt.empty())
+      add("Attention", doubt);
     if (per_volt > 0.0) add(a_.rotary ? "torque per volt" : "force per volt", force_text(per_volt) + "/V");
     if (force > 0.0) {
       std::string note = a_.limits.force                 ? "as limits.force says"

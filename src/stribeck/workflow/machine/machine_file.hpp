@@ -96,7 +96,7 @@ ExplainedAxis explain(const MachineDescription& machine, std::size_t axis);
 
 /// A key of a machine file that `init` asks for.
 struct Asked {
-  std::string_view group;  ///< "limits", "drive" or "commissioning"
+  std::string_view group;  ///< "limits", "drive", "drive_loop" or "commissioning"
   std::string_view key;
   std::string_view example;
   bool needed = false;                ///< no verb does without

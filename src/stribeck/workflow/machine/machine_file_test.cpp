@@ -61,6 +61,25 @@ TEST(DriveData, GearsMotorsAndCurrentsMultiply) {
               900.0, 1e-9);
 }
 
+// The peak current was left out beside a rated torque: 1885 N, "the file says no peak", in place of 5655 N.
+TEST(DriveData, APeakCurrentGivesThePeakThroughTheRatedValues) {
+  const DriveData d =
+      drive("rated_torque = \"3 N m\"\nrated_current = \"5 A\"\npeak_current = \"15 A\"\nlead = \"10 mm\"");
+  EXPECT_NEAR(*d.peak(), 9.0 * 2.0 * kPi / 0.01, 1e-9);
+  EXPECT_THAT(
+      problem("rated_torque = \"3 N m\"\nrated_current = \"5 A\"\npeak_current = \"4 A\"\nlead = \"10 mm\""),
+      HasSubstr("below the rated value"));
+}
+
+// Twice the constant is twice the mass, with an interval of 0.2 %.
+TEST(DriveData, AConstantThatContradictsTheRatedValuesIsSaid) {
+  const std::string rated = "rated_torque = \"3 N m\"\nrated_current = \"5 A\"\nlead = \"10 mm\"\n";
+  EXPECT_THAT(drive(rated + "torque_constant = \"1.2 N m/A\"").constant_doubt(),
+              HasSubstr("rated_torque over rated_current is 0.6 N m/A, and torque_constant 1.2 N m/A"));
+  EXPECT_EQ(drive(rated + "torque_constant = \"0.66 N m/A\"").constant_doubt(), "");
+  EXPECT_EQ(drive(rated).constant_doubt(), "");
+}
+
 TEST(DriveData, TellsMassSpeedAndStepOfTheMotor) {
   const DriveData d = drive(
       "rated_torque = \"1 N m\"\nlead = \"10 mm\"\nrotor_inertia = \"1e-4 kg m2\"\nmotor_speed = \"3000 rpm\"\n"
@@ -566,6 +585,15 @@ TEST(MachineFile, ALogWithMoreForceThanTheDriveMakesIsSaidToBeADemand) {
               HasSubstr("goes up to 5000 N, and the drive makes at most 1100 N (3 of 5 rows are beyond it)"));
   r.force_unit = "A";
   EXPECT_EQ(force_contradiction(a, {r}), "");
+  // A servo drive makes more than its rated force for a short time; a file with that alone says no most.
+  r.force_unit = "N";
+  a.limits.force.reset();
+  a.drive = drive("rated_torque = \"3 N m\"\nlead = \"10 mm\"");
+  EXPECT_EQ(force_contradiction(a, {r}), "");
+  a.drive = drive("rated_torque = \"0.5 N m\"\nlead = \"10 mm\"");
+  EXPECT_THAT(
+      force_contradiction(a, {r}),
+      HasSubstr("goes up to 5000 N, and the drive makes hardly more than five times its rated 314.2 N"));
 }
 
 // A faster control is no reason for a slower loop: a step of the force that lasts 125 us moves an axis as an eighth of it over 1 ms does.
@@ -584,6 +612,21 @@ TEST(MachineFile, AShortPeriodLeavesTheLoopAsFast) {
   const Proposed weak = propose(a, 125e-6).omega;
   EXPECT_NEAR(weak.value, 25.0, 1e-9);
   EXPECT_THAT(weak.reason, HasSubstr("more than 10 % of its limit"));
+}
+
+// With 80 rad/s, 2 ms and three periods of delay the loop had a phase margin of -0.1 degrees.
+TEST(MachineFile, ADelayOfTheDriveMakesTheLoopSlower) {
+  AxisDescription a;
+  a.limits = {0.0, 1.0, 1.0, 5.0, {}, 2000.0};
+  a.commissioning.mass = 100.0;
+  a.commissioning.friction = 600.0;
+  a.commissioning.encoder_resolution = 1e-7;
+  a.plant.emplace();
+  EXPECT_NEAR(propose(a, 2e-3).omega.value, 80.0, 1e-9);
+  a.plant->delay_periods = 3;
+  const Proposed omega = propose(a, 2e-3).omega;
+  EXPECT_NEAR(omega.value, 0.3 / 9e-3, 1e-9);
+  EXPECT_THAT(omega.reason, HasSubstr("the delay of 6 ms"));
 }
 
 // 3 m at 10 mm/s: a third of the travel would take 700 s a period.

@@ -34,9 +34,9 @@ sim::PartLimits<N> part_limits(const PathOptions& o, const sim::Machine& machine
     const sim::AxisLimits& axis = machine.axes[axes[i]].second.limits;
     limits.speed[i] = axis.speed;
     limits.acceleration[i] = std::min(axis.acceleration, acceleration);
-    limits.jerk[i] = !o.jerk.empty() ? jerk
-                     : axis.jerk     ? *axis.jerk
-                                     : limits.acceleration[i] / sim::AxisLimits::kJerkTime;
+    limits.jerk[i] = axis.jerk         ? std::min(*axis.jerk, o.jerk.empty() ? *axis.jerk : jerk)
+                     : !o.jerk.empty() ? jerk
+                                       : limits.acceleration[i] / sim::AxisLimits::kJerkTime;
   }
   return limits;
 }

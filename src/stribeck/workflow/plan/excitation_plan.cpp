@@ -116,6 +116,21 @@ std::string with_name(const CandidateLog& c) {
   return c.refused.starts_with(name + ": ") ? c.refused : name + ": " + c.refused;
 }
 
+/// Why a shorter log that tells all but static friction is not the chosen one; empty: there is none.
+std::string why_longer(const ExcitationPlan& plan) {
+  const auto& wanted = plan.options.wanted;
+  const bool asked = std::find(wanted.begin(), wanted.end(), Wanted::kFriction) != wanted.end();
+  if (!asked || !plan.together.at_rest) return {};
+  std::vector<std::string> shorter;
+  for (const CandidateLog& c : plan.candidates) {
+    const bool good = std::all_of(wanted.begin(), wanted.end(), [&](Wanted w) { return c.expected.good(w); });
+    if (c.refused.empty() && good && !c.expected.at_rest && c.duration < plan.duration())
+      shorter.emplace_back(enum_name(c.method));
+  }
+  if (shorter.empty()) return {};
+  return fmt::format("Shorter, but without static friction: {}.\n", report::listed(shorter));
+}
+
 std::string shown(const ExpectedHalf& e, Wanted w) {
   if (!std::isfinite(e[w])) return "no";
   return w == Wanted::kDelay ? ident::digits(e[w], 2) : ident::digits(100.0 * e[w], 2);
@@ -214,7 +229,7 @@ std::string text_of(const ExcitationPlan& plan) {
       "What a log of axis {} is expected to tell (half of the 95 % interval; no: not determined):\n",
       plan.options.axis);
   out += report::lay_out({method, seconds, mass, friction, bristles, delay}) + refused;
-  out += fmt::format("Record: {}, {:.0f} s in all.\n", together, plan.duration());
+  out += fmt::format("Record: {}, {:.0f} s in all.\n", together, plan.duration()) + why_longer(plan);
   for (const Wanted w : plan.options.wanted) {
     if (plan.together.good(w)) continue;
     out += std::isfinite(plan.together[w])

@@ -34,8 +34,11 @@ ident::log::Record jog(const Study& s, std::vector<double> speeds, Run run) {
   return log_of(s, ident::excitation::design_jog(limits_of(s), s.machine->sample_time, design), run);
 }
 
-/// Each pair of pulses separately; pairs that do not move the axis are left out (fig 2.11).
-std::vector<Scale> by_scale(const ident::log::Record& log, const std::vector<double>& force) {
+/// Each pair of pulses separately, with the dead band of all; pairs that do not move the axis are left out (fig 2.11).
+std::vector<Scale> by_scale(const ident::log::Record& log, const std::vector<double>& force,
+                            double dead_band) {
+  ident::methods::LeastSquaresAOptions options;
+  options.dead_band = dead_band;
   std::vector<std::size_t> starts;
   for (std::size_t k = 1; k < force.size(); ++k) {
     if (force[k] > 0.0 && force[k - 1] <= 0.0) starts.push_back(k - 1);
@@ -51,7 +54,7 @@ std::vector<Scale> by_scale(const ident::log::Record& log, const std::vector<dou
                  begin + static_cast<std::ptrdiff_t>(starts[i + 1])};
     }
     try {
-      scales.push_back({k_u[i], ident::methods::identify_least_squares_a({part})});
+      scales.push_back({k_u[i], ident::methods::identify_least_squares_a({part}, options)});
     } catch (const ident::Refused&) {
       continue;
     }
@@ -96,10 +99,10 @@ void run_study(Study& s) {
     const ident::excitation::Excitation second =
         design(*s.machine, s.axis, ident::excitation::ExcitationMethod::kPulses, 0, drive);
     pulses = log_of(s, second, kPulses);
-    if (w.a) s.scales = by_scale(pulses, second.force);
+    s.pulses = ident::methods::identify_least_squares_a({pulses});
+    if (w.a) s.scales = by_scale(pulses, second.force, s.pulses->dead_band);
   }
   if (w.a || w.verify) {
-    s.pulses = ident::methods::identify_least_squares_a({pulses});
     // Speeds of §2.3.2.
     const std::vector<double> speeds{0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 6e-3, 8e-3, 10e-3};
     s.a = ident::methods::identify_least_squares_a({pulses}, {jog(s, speeds, kFewJogs)});

@@ -11,7 +11,8 @@
 namespace stribeck::workflow {
 namespace {
 
-constexpr std::array<const char*, 4> kNoteNames{"start", "direction", "room", "abort"};
+/// Of safety_notes(), in their order; the last one is not there in open loop.
+constexpr std::array<const char*, 5> kNoteNames{"start", "direction", "room", "abort", "coordinates"};
 
 /// Column for drives that take percent of their rated torque or force (CiA 402: per mille, ten times the number).
 void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<double>& force) {
@@ -67,7 +68,7 @@ AxisExcitation excite_axis(const ExcitationOptions& options, const std::string& 
   if (machine.axes[index].second.rotary && !e.force.empty())
     out.log.metadata.emplace_back("f", "torque at the table; that of the motor is less by the gear");
   for (std::size_t i = 0; i < out.notes.size(); ++i)
-    out.log.metadata.emplace_back(kNoteNames[i], out.notes[i]);
+    out.log.metadata.emplace_back(kNoteNames.at(i), out.notes[i]);
   out.excitation = std::move(safe.excitation);
   out.rotary = machine.axes[index].second.rotary;
   return out;

@@ -5,6 +5,7 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/machine/drive_mode.hpp>
@@ -130,6 +131,14 @@ Comparison run_plan(ComparisonPlan plan, Parameters parameters,
   out.warnings = harmful_speeds(out.result);
   for (std::string& warning :
        check_coverage(out.result, sim::chosen_axes(out.machine, plan.spec), out.parameters))
+    out.warnings.push_back(std::move(warning));
+  std::vector<report::ModelOfAxis> models;
+  for (const std::size_t i : sim::chosen_axes(out.machine, plan.spec)) {
+    if (out.parameters.axes.empty()) break;
+    for (const CommissionedModel& m : out.parameters.axes[i].models)
+      models.push_back({out.machine.axes[i].first, &m.result});
+  }
+  for (std::string& warning : report::identification_warnings(models))
     out.warnings.push_back(std::move(warning));
   return out;
 }

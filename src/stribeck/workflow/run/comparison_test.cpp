@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/run/comparison.hpp>
@@ -11,8 +12,10 @@ namespace stribeck::workflow::comparison_test {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 std::vector<std::string> ids_of(const ComparisonOptions& options) {
@@ -36,6 +39,32 @@ TEST(Comparison, OnlyChoosesAmongTheControllersOfTheExperiment) {
   o.only = {"q"};
   EXPECT_THAT([&] { ids_of(o); },
               ThrowsMessage<io::InputError>(HasSubstr("got \"q\", expected one of a, b")));
+}
+
+// They stood on the page alone.
+TEST(Comparison, HasTheWarningsOfTheIdentification) {
+  ComparisonOptions o;
+  o.machine = std::string(STRIBECK_SOURCE_DIR) + "/machines/uniaxial-drive.toml";
+  o.only = {"a"};
+  o.trials = 1;
+  ComparisonPlan plan = plan_comparison(o, read_virtual_machine(o.machine));
+  o.parameters.source = "thesis";
+  Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
+  EXPECT_THAT(run_plan(plan, parameters, {}).warnings, Not(Contains(HasSubstr("seen once"))));
+  CommissionedAxis axis;
+  for (const char* kind : {"conventional", "gaussian"}) {
+    CommissionedModel model;
+    model.kind = model.result.model = kind;
+    model.result.warnings = {"one speed was seen once"};
+    axis.models.push_back(model);
+  }
+  parameters.axes = {axis};
+  const std::string name = plan.machine.axes[0].first;
+  const std::string words =
+      "one speed was seen once (axis " + name + ", conventional model; axis " + name + ", gaussian model)";
+  const Comparison with = run_plan(plan, parameters, {});
+  EXPECT_THAT(with.warnings, Contains(words));
+  EXPECT_THAT(to_json(with)["warnings"].get<std::vector<std::string>>(), Contains(words));
 }
 
 TEST(Comparison, SaysWhereCompensationDoesHarm) {

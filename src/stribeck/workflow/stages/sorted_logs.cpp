@@ -38,17 +38,20 @@ class Recordings {
  public:
   /// Adds a log, or takes it in place of one whose rows it holds. The note says which is left out; empty: none.
   std::string add(const std::string& file, Fingerprint print, std::vector<std::string>& logs) {
-    for (auto& [name, other] : known_) {
+    for (const auto& [name, other] : known_) {
       if (print.within(other)) return copy_note(file, name);
-      if (!other.within(print)) continue;
-      std::string note = copy_note(name, file);
-      std::replace(logs.begin(), logs.end(), name, file);
-      name = file, other = std::move(print);
-      return note;
     }
+    std::string notes;
+    const auto held = [&](const auto& one) {
+      if (!one.second.within(print)) return false;
+      std::erase(logs, one.first);
+      notes += (notes.empty() ? "" : "; ") + copy_note(one.first, file);
+      return true;
+    };
+    std::erase_if(known_, held);
     known_.emplace_back(file, std::move(print));
     logs.push_back(file);
-    return {};
+    return notes;
   }
 
  private:

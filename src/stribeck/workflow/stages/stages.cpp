@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,6 +20,8 @@
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/machine/of_machine_file.hpp>
 #include <stribeck/workflow/stages/sorted_logs.hpp>
@@ -37,10 +40,17 @@ constexpr std::string_view kVerify = "verify";
 
 std::string name_in(const std::string& path) { return fs::path(path).filename().string(); }
 
-/// Whether an excitation was recorded, by the name that excite was given here.
-bool recorded(const std::vector<std::string>& logs, const std::string& method) {
+/// Whether an excitation was recorded, by the name that excite was given here. The motion of a log that is named after another axis, as
+/// x-sine.csv, is that of the other axis.
+bool recorded(const std::vector<std::string>& logs, const std::string& method, const std::string& axis,
+              const std::vector<std::string>& others) {
   return std::any_of(logs.begin(), logs.end(), [&](const std::string& log) {
     const std::string name = name_in(log);
+    const std::vector<std::string> words = words_of_name(fs::path(log).stem().string());
+    const auto has = [&](const std::string& word) {
+      return std::find(words.begin(), words.end(), io::lower_case(word)) != words.end();
+    };
+    if (!has(axis) && std::any_of(others.begin(), others.end(), has)) return false;
     const bool other = method == "sine" && (name.find("position-sine") != std::string::npos ||
                                             name.find("multisine") != std::string::npos);
     return !other && name.find(method) != std::string::npos;
@@ -57,6 +67,11 @@ bool mass_known(const ident::Result& r) {
   return r.mass > 0.0 && r.mass_interval.high - r.mass_interval.low <= 2.0 * kMassKnown * r.mass;
 }
 
+/// The axis file cannot be written, as where a file of somebody else stands.
+struct NoPlaceForFile : io::InputError {
+  using io::InputError::InputError;
+};
+
 class AxisStages {
  public:
   /// `own`: SHA-256 of the axis file that an earlier command wrote; empty: none.
@@ -67,16 +82,23 @@ class AxisStages {
         logs_(std::move(logs)),
         own_(std::move(own)) {
     axis_.axis = logs_.axis;
+    for (const auto& one : machine.axes)
+      if (one.first != logs_.axis) other_axes_.push_back(one.first);
   }
 
-  /// One axis that cannot be judged does not end the others.
+  /// One axis that cannot be judged, or whose logs are wrong, does not end the others.
   Axis run() {
     try {
-      return judged();
+      axis_ = judged();
     } catch (const ident::Refused& e) {
       refused(e.what());
-      return axis_;
+    } catch (const NoPlaceForFile&) {
+      throw;
+    } catch (const io::InputError& e) {
+      refused(e.what());
     }
+    name_old_file();
+    return axis_;
   }
 
  private:
@@ -120,12 +142,16 @@ class AxisStages {
     axis_.stage = CommissionStage::kRefused;
     axis_.axis_file.clear();
     axis_.open.push_back(why);
-    const std::string path = options_.output + "/" + axis_.axis + ".toml";
-    if (std::error_code ignored; fs::exists(path, ignored))
-      axis_.open.push_back(path + " is still that of earlier logs");
     axis_.next = {fmt::format("stribeck identify {} {} --axis {} --report identify-{}",
                               report::shell_quoted(options_.machine), report::shell_quoted(logs), axis_.axis,
                               axis_.axis)};
+  }
+
+  /// An axis file of an earlier command stays, and nobody shall take it for the result of this one.
+  void name_old_file() {
+    const std::string path = options_.output + "/" + axis_.axis + ".toml";
+    if (std::error_code ignored; axis_.axis_file.empty() && fs::exists(path, ignored))
+      axis_.open.push_back(path + " is still that of earlier logs");
   }
 
   static bool is_named_verify(const std::string& log) {
@@ -222,17 +248,46 @@ class AxisStages {
     axis_.velocity_low = r.velocity_range[0];
     axis_.velocity_high = r.velocity_range[1];
     axis_.open.insert(axis_.open.end(), r.cannot_tell.begin(), r.cannot_tell.end());
+    constexpr double kFarBelow = 0.25;  // of the speed of the axis
+    const double reached = std::max(std::abs(axis_.velocity_low), std::abs(axis_.velocity_high));
+    if (const AxisUnits& u = units_of(r.rotary); reached < kFarBelow * description_.limits.speed)
+      axis_.open.push_back(fmt::format(
+          "friction above {} {}/s is not known, and the axis may move at {} {}/s: add constant-acceleration or a faster sine",
+          report::significant(u.per_metre * reached, 3), u.travel,
+          report::significant(u.per_metre * description_.limits.speed, 3), u.travel));
     axis_.read = c.records.notes;
     const std::size_t read = std::min(c.records.notes.size(), r.warnings.size());
     axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
-    for (const std::string& wrong :
-         {mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high),
-          r.force_unit == "N" ? load_contradiction(description_, r.load) : std::string(),
-          travel_contradiction(description_, c.records.records),
-          speed_contradiction(description_, c.records.records),
-          force_contradiction(description_, c.records.records)}) {
-      if (!wrong.empty()) axis_.warnings.push_back(wrong);
-    }
+    const std::string travel = travel_contradiction(description_, c.records.records);
+    if (!travel.empty()) axis_.warnings.push_back(travel);
+    const std::vector<std::string> wrong = contradictions(c);
+    axis_.warnings.insert(axis_.warnings.end(), wrong.begin(), wrong.end());
+  }
+
+  /// Where log and machine file cannot both be right: with one of their scales wrong, every number of an axis file would be.
+  [[nodiscard]] std::vector<std::string> contradictions(const Candidate& c) const {
+    const ident::Result& r = c.found.result;
+    std::vector<std::string> all{
+        mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high),
+        r.force_unit == "N" ? load_contradiction(description_, r.load) : std::string(),
+        speed_contradiction(description_, c.records.records),
+        force_contradiction(description_, c.records.records)};
+    std::erase(all, std::string());
+    return all;
+  }
+
+  /// A model that a log has shown to be right stays out while the machine file says other numbers: a wrong scale is in both logs.
+  void contradicted(const std::vector<std::string>& wrong) {
+    refuse(fmt::format("log and machine file contradict each other, and no axis file was written: {}",
+                       report::joined(wrong, "; ")),
+           axis_.logs);
+    std::erase_if(axis_.warnings, [&](const std::string& warning) {
+      return std::find(wrong.begin(), wrong.end(), warning) != wrong.end();
+    });
+    axis_.next = {fmt::format(
+        "correct {} or the scale of the logs, and give this command again (stribeck machine {} shows what follows from "
+        "the file)",
+        options_.machine, report::shell_quoted(options_.machine))};
   }
 
   /// No log can be held out: the model of all of them, if they determine one.
@@ -259,7 +314,7 @@ class AxisStages {
                       100.0 * kMassKnown));
     }
     for (const char* method : {"constant-acceleration", "sine", "jog"}) {
-      if (recorded(logs_.logs, method)) continue;
+      if (recorded(logs_.logs, method, logs_.axis, other_axes_)) continue;
       record(method);
       return axis_;
     }
@@ -315,13 +370,22 @@ class AxisStages {
              axis_.logs);
       return;
     }
+    std::vector<std::string> wrong = contradictions(chosen);
+    // A file that says nothing of a load contradicts none: that stays a warning.
+    if (description_.commissioning.load.empty())
+      std::erase(wrong, load_contradiction(description_, chosen.found.result.load));
+    if (!wrong.empty()) return contradicted(wrong);
     if (std::error_code ignored; fs::exists(path, ignored) && io::sha256_of_file(path) != own_)
-      throw io::InputError(
-          {path,
-           0,
-           {},
-           "was not written by this command, or has been changed since: it is not replaced (move it away, or choose another --output)"});
-    io::write_atomically(path, text);
+      throw NoPlaceForFile(io::Problem{
+          path,
+          0,
+          {},
+          "was not written by this command, or has been changed since: it is not replaced (move it away, or choose another --output)"});
+    try {
+      io::write_atomically(path, text);
+    } catch (const io::InputError& e) {
+      throw NoPlaceForFile(e.problems());
+    }
     axis_.stage = CommissionStage::kReady;
     axis_.axis_file = path;
     axis_.axis_file_sha256 = io::hexadecimal(io::sha256(text));
@@ -334,6 +398,7 @@ class AxisStages {
   OfMachineFile known_;
   LogsOfAxis logs_;
   std::string own_;
+  std::vector<std::string> other_axes_;
   std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
   Axis axis_;
 };
@@ -399,6 +464,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
   const std::string path = o.output + "/commission.json";
   Json state = read_state(path);
   io::make_directory(o.output);
+  std::exception_ptr no_place;  // the other axes are done first, and known to the next command
   for (const LogsOfAxis& logs : all) {
     const std::string key = key_of(o, logs);
     if (const auto known = stored(state, logs.axis, key)) {
@@ -408,13 +474,20 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
     std::string own;
     if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
       own = at->value("axis_file_sha256", "");
-    const Axis axis = AxisStages(o, description, logs, own).run();
+    Axis axis;
+    try {
+      axis = AxisStages(o, description, logs, own).run();
+    } catch (const NoPlaceForFile&) {
+      if (!no_place) no_place = std::current_exception();
+      continue;
+    }
     Json entry{{"key", key}, {"result", report::to_json(axis)}};
     entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
     state[logs.axis] = std::move(entry);
     input.axes.push_back(axis);
   }
   io::write_atomically(path, io::dump({{"schema", kSchema}, {"axes", state}}));
+  if (no_place) std::rethrow_exception(no_place);
   return input;
 }
 

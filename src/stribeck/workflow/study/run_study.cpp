@@ -29,7 +29,8 @@ std::string head_of(const Study& s) {
 }
 
 /// Everything on which the rows depend. The number of samples is not among it where more of them leave the earlier ones as they were.
-std::string inputs_of(const Study& s, const Parameters& parameters, const std::string& version) {
+std::string inputs_of(const Study& s, const Parameters& parameters, const StudyRuns& runner,
+                      const std::string& version) {
   std::string study = io::write_toml(s.file);
   if (s.file.sampling == sim::Sampling::kRandom || s.file.sampling == sim::Sampling::kSobol) {
     const std::string line = fmt::format("samples = {}\n", s.file.samples);
@@ -42,6 +43,9 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
   text += deviations_text(s.factors);
   for (const sim::ControllerSpec& c : s.spec.controllers)
     text += fmt::format("\n# controller {}\n{}", c.id, io::write_toml(c));
+  for (const sim::MachineRuns::Calmed& c : runner.calmed())
+    text += fmt::format("\n# controller {}, axis {}: disturbance observer in place of the Kalman observer\n",
+                        s.spec.controllers[c.controller].id, s.machine.axes[s.axes[c.axis]].first);
   for (const sim::Travel& t : s.spec.travels)
     text += fmt::format("\n# motion: {}, {}, {} laps and {} to settle\n", report::clean_text(t.name),
                         t.pace_in_words(), io::number_text(t.laps), io::number_text(t.settle_laps));
@@ -128,6 +132,13 @@ class Summary {
     for (const BoundFactor& f : s_.factors) r.factors.push_back({f.key, f.in_words()});
     r.has_band = only_uncertainty(s_.factors);
     r.warnings = untold_at_rest(s_.machine, s_.factors);
+    for (const sim::MachineRuns::Calmed& c : runner_.calmed()) {
+      const sim::ControllerSpec& controller = s_.spec.controllers[c.controller];
+      const std::string& axis = s_.machine.axes[s_.axes[c.axis]].first;
+      const double delay =
+          parameters.knowledge[s_.axes[c.axis]].model(controller.friction, axis).delay_or_none();
+      r.warnings.push_back(without_kalman_observer(axis, delay / s_.machine.sample_time, controller.id));
+    }
     for (const StudyColumn& c : s_.columns) {
       const std::string head(c.figure->head(s_.axes.size() == 1));
       const bool per_axis = std::holds_alternative<sim::Figure::OfAxis>(c.figure->member);
@@ -155,6 +166,7 @@ class Summary {
       warn(one, r.warnings);
       r.rows.push_back(std::move(one));
     }
+    warn_of_unknown(r);
     return r;
   }
 
@@ -184,6 +196,20 @@ class Summary {
       const double* const f = &group_[at * n];
       if (!std::all_of(f, f + n, [](double x) { return std::isfinite(x); })) continue;
       indices_[at].add(f[0], f[1], std::span<const double>(f + 2, n - 2), counts);
+    }
+  }
+
+  /// A figure that the study asks for and no run has would be missing from the tables without a word.
+  void warn_of_unknown(report::StudyResult& r) const {
+    if (s_.file.figures == StudyFile{}.figures) return;
+    for (std::size_t c = 0; c < s_.columns.size(); ++c) {
+      const bool any = std::any_of(r.rows.begin(), r.rows.end(), [&](const report::StudiedRow& row) {
+        return row.figures[c].spread.count() > 0;
+      });
+      if (!any)
+        r.warnings.push_back(fmt::format(
+            "figure {}: no run has a value of it on this machine and path, so the tables do not show it",
+            s_.columns[c].key));
     }
   }
 
@@ -228,7 +254,7 @@ class Task {
         options_(options),
         parameters_(parameters_of(study, options)),
         runner_(study, parameters_),
-        inputs_(inputs_of(study, parameters_, options.version)) {}
+        inputs_(inputs_of(study, parameters_, runner_, options.version)) {}
 
   [[nodiscard]] const std::string& inputs() const { return inputs_; }
   [[nodiscard]] std::uint64_t rows() const { return runner_.rows(); }

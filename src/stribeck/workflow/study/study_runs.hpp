@@ -28,6 +28,8 @@ class StudyRuns {
   [[nodiscard]] std::size_t rows() const { return once_.size(); }
   /// Runs that are worth computing together: packs are for those under the same compensators.
   [[nodiscard]] std::size_t most_together() const;
+  /// Axes on which a controller goes without its Kalman observer.
+  [[nodiscard]] const std::vector<sim::MachineRuns::Calmed>& calmed() const { return once_.calmed(); }
   /// On the machine as its file says it.
   [[nodiscard]] std::vector<sim::RobustRun> nominal() const { return once_.run(s_.machine, 0); }
 

@@ -236,6 +236,19 @@ TEST(Study, LostRunsAreCounted) {
   EXPECT_THAT(report::text_table(r), HasSubstr("lost on 1 of 2 machines, 50.0 %"));
 }
 
+TEST(Study, AFigureWithoutAnyValueIsSaid) {
+  Folder f;
+  const auto warnings = [&](const std::string& figures, const std::string& folder) {
+    std::string text = with_machine("samples = 3\n") + kMass;
+    const std::string usual = "[\"rms_um\", \"input_variation_V\"]";
+    text.replace(text.find(usual), usual.size(), figures);
+    return run(f, text, folder).warnings;
+  };
+  EXPECT_THAT(warnings("[\"rms_um\", \"max_orientation_error_urad\"]", "a"),
+              testing::ElementsAre(HasSubstr("figure max_orientation_error_urad: no run has a value")));
+  EXPECT_THAT(warnings("[\"rms_um\"]", "b"), testing::IsEmpty());
+}
+
 TEST(Study, ImpossibleDrawsAreFoundBeforeTheFirstRun) {
   Folder f;
   const std::string text =
