@@ -131,6 +131,7 @@ int compare(const CompareCommand& o) {
           evidence.models.push_back({m.kind, m.result});
       }
       evidence.truth = machine.axes[i].second.plant.friction;
+      evidence.rotary = machine.axes[i].second.rotary;
       input.axes.push_back(std::move(evidence));
     }
     input.experiment = experiment;

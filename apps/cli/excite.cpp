@@ -8,8 +8,11 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
 #include <apps/cli/trace_page.hpp>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/path/five_axis.hpp>
+#include <stribeck/targets/linuxcnc/hal_axis.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -51,6 +54,28 @@ void check_gcode(const ExciteCommand& o) {
             "moves positions)",
             enum_name(o.what.method)));
   }
+}
+
+/// How G-code counts an axis.
+struct GcodeCount {
+  ident::excitation::GcodeUnit unit = ident::excitation::GcodeUnit::kMillimetre;
+  double radius = 1.0;  ///< of the arc that stands for an angle in the machine file [m]
+  std::string note;     ///< empty: nothing to say
+};
+
+/// A, B and C are counted in degrees, also where the machine file does not call them rotary.
+GcodeCount count_of(const AxisExcitation& axis) {
+  using ident::excitation::GcodeUnit;
+  if (axis.rotary) return {GcodeUnit::kDegree, 1.0, {}};
+  const std::string word = ident::excitation::gcode_word(axis.axis);
+  if (!targets::linuxcnc::counts_degrees(std::string_view(word).substr(0, 1))) return {};
+  const double radius = path::TiltingTable{}.radius;
+  return {
+      GcodeUnit::kDegree, radius,
+      fmt::format(
+          "axis {} has no rotary = true in the machine file, but controls count {} in degrees: one degree is {:.4g} mm of the file, an arc "
+          "at a radius of {:g} mm; rename the axis if it is linear",
+          axis.axis, word.front(), 1e3 * radius * kPi / 180.0, 1e3 * radius)};
 }
 
 /// Chooses the logs by what is wanted, and writes the reference of each into the folder.
@@ -103,11 +128,13 @@ int excite(const ExciteCommand& o) {
     if (path.empty()) continue;
     if (const std::string why = ident::excitation::why_no_gcode(o.axis); !why.empty())
       refuse_option(o.gcode.empty() ? "--output" : "--gcode", why);
-    const auto unit =
-        axis.rotary ? ident::excitation::GcodeUnit::kDegree : ident::excitation::GcodeUnit::kMillimetre;
-    io::write_atomically(
-        path,
-        with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(axis.machine), unit), axis.notes));
+    const GcodeCount count = count_of(axis);
+    std::vector<std::string> notes = axis.notes;
+    if (!count.note.empty()) notes.push_back(count.note);
+    io::write_atomically(path, with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(axis.machine),
+                                                                      count.unit, count.radius),
+                                          notes));
+    if (!count.note.empty()) say(o.common, fmt::format("G-code: {}.\n", count.note));
   }
   if (!is_gcode(o.output)) io::write_csv(o.output, axis.log);
   const report::Made made = made_from({o.machine, o.what.known});

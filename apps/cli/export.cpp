@@ -39,7 +39,14 @@ int run_export(const ExportCommand& o) {
   targets::ExportRequest request = o.what;
   request.command = typed_command();
   const std::string notes = targets::axis_notes(request);
-  targets::Exported written = targets::find_target(o.to)->write(request);
+  targets::Exported written;
+  {
+    Progress progress("", o.common.quiet);
+    request.progress = [&progress](std::string_view what, std::size_t done, std::size_t all) {
+      progress(what, done, all);
+    };
+    written = targets::find_target(o.to)->write(request);
+  }
   written.text += notes;
   write_json(o.common.json, written.json, made_from(inputs));
   say(o.common, written.text);

@@ -28,8 +28,9 @@ void add_log_options(CLI::App& verb, LogArguments& arguments) {
   verb.add_option("--axis", o.axis,
                   "Name of the axis; a log of several axes has columns like x_NAME or NAME_ActualPosition")
       ->type_name("NAME");
-  verb.add_option("--map", o.maps,
-                  "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
+  verb.add_option(
+          "--map", o.maps,
+          "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"; none=\"column\": not used")
       ->type_name("MAP");
   verb.add_option(
           "--gain", o.gain,

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <apps/cli/commands.hpp>
@@ -79,6 +80,13 @@ void Progress::operator()(std::size_t done, std::size_t all) {
   fmt::print(stderr, "\r{} [{}{}] {}/{}", io::printable(what_), std::string(filled, '#'),
              std::string(kWidth - filled, '.'), done, all);
   std::fflush(stderr);
+}
+
+void Progress::operator()(std::string_view what, std::size_t done, std::size_t all) {
+  // What stood there may be longer.
+  if (drawn_ && what != what_) fmt::print(stderr, "\r\033[K");
+  what_ = what;
+  (*this)(done, all);
 }
 
 void say(const Common& common, const std::string& text) {

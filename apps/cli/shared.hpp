@@ -47,6 +47,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void operator()(std::size_t done, std::size_t all);
+  /// The same of another part of the work.
+  void operator()(std::string_view what, std::size_t done, std::size_t all);
 
  private:
   std::string what_;

@@ -84,8 +84,9 @@ int study(const StudyCommand& o) {
   }
   if (!page_folder) page_folder.emplace(check_outputs(o.common));
   if (!o.netcdf.empty()) write_netcdf(study, o.out, o.netcdf, STRIBECK_VERSION);
-  write_json(o.common.json, report::to_json(result), made_from(study.inputs));
-  report::write_study_report(folders_of(o.common), {result, typed_command(), STRIBECK_VERSION});
+  const report::Made made = made_from(study.inputs);
+  write_json(o.common.json, report::to_json(result), made);
+  report::write_study_report(folders_of(o.common), {result, made.command, made.version, made.inputs});
   say(o.common, report::text_table(result));
   say(o.common, "Compensators: " + result.parameters + ".\nRows: " + o.out + "/results.csv.\n");
   return 0;

@@ -111,7 +111,8 @@ std::optional<Answer> Answers::post(const Request& r) {
   if (path == "/api/inspect" || path == "/api/identify") {
     auto request = read_request<IdentifyRequest>(r.body);
     const bool only_look = path == "/api/inspect";
-    return Answer{Takes::kSeconds, request.client, [this, request, only_look](const auto&) {
+    return Answer{only_look ? Takes::kSeconds : Takes::kMinutes, request.client,
+                  [this, request, only_look](const auto&) {
                     return response_of(only_look ? identify_.inspect(request) : identify_.identify(request));
                   }};
   }

@@ -28,7 +28,7 @@ namespace stribeck::web {
 
 /// A request that is understood: who asks, how long it takes, and the work, which does not throw.
 struct Answer {
-  enum class Takes { kNothing, kMilliseconds, kSeconds };
+  enum class Takes { kNothing, kMilliseconds, kSeconds, kMinutes };
   Takes takes = Takes::kNothing;
   std::string client = {};  ///< of whom only the newest request counts
   std::function<Response(const Newest::IsOld&)> work;

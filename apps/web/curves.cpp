@@ -8,6 +8,7 @@
 #include <apps/web/curves.hpp>
 #include <stribeck/core/walk_fields.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/report/shown_units.hpp>
 
 namespace stribeck::web {
 namespace {
@@ -159,8 +160,13 @@ std::string_view main_label(std::string_view key) {
   return found == kMain.end() ? std::string_view() : found->label;
 }
 
+struct MachineAxisName {
+  std::string name;
+  bool rotary = false;
+};
+
 /// Numbers below a group with their keys, as the factors of a study name them.
-void walk(const Value& value, const std::string& key, const FieldInfo* info, const std::string& axis,
+void walk(const Value& value, const std::string& key, const FieldInfo* info, const MachineAxisName& axis,
           Json& list) {
   switch (value.kind()) {
     case Kind::kOptional:
@@ -201,7 +207,13 @@ void walk(const Value& value, const std::string& key, const FieldInfo* info, con
     known = list.end() - 1;
   }
   const double shown = unit.empty() ? value.number() : io::conversion(q.unit, unit)(value.number());
-  (*known)["values"][axis] = shown;
+  (*known)["values"][axis.name] = shown;
+  if (!axis.rotary || unit.empty()) return;
+  // The axis is carried at a radius of 1 m; a factor of it turns the shown value into one in N m and degrees.
+  const auto [turning, factor] = report::ShownUnits::degrees_of(q.unit);
+  if (turning != q.unit)
+    (*known)["turning"][axis.name] = {{"unit", turning},
+                                      {"factor", factor / io::conversion(q.unit, unit)(1.0)}};
 }
 
 }  // namespace
@@ -209,6 +221,8 @@ void walk(const Value& value, const std::string& key, const FieldInfo* info, con
 void add_curves(Json& json, const workflow::Comparison& c) {
   const std::vector<std::size_t> axes = sim::chosen_axes(c.machine, c.result.spec);
   json["axes"] = c.result.axes;
+  json["rotary"] = Json::array();
+  for (const std::size_t i : axes) json["rotary"].push_back(c.machine.axes[i].second.rotary);
   json["sample_time_ms"] = c.result.period * 1e3;
   json["signed"] = axes.size() == 2;
   json["curves"] = Json::array();
@@ -243,8 +257,9 @@ Json machine_form(const sim::Machine& machine) {
   bool published = !machine.axes.empty();
   for (const auto& [name, axis] : machine.axes) {
     json["axes"].push_back(name);
+    json["rotary"].push_back(axis.rotary);
     for (std::size_t i = 0; i < kParts.size(); ++i) list[i]["values"][name] = 1.0;
-    walk(value_of(axis.plant), "", nullptr, name, list);
+    walk(value_of(axis.plant), "", nullptr, {name, axis.rotary}, list);
     published = published && axis.published.conventional && axis.published.gaussian;
   }
   json["published"] = published;

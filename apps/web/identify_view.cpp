@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <apps/web/identify_view.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/sha256.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/parameters.hpp>
 #include <stribeck/report/shell_words.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
@@ -73,15 +75,46 @@ std::string command_of(const IdentifyRequest& r, const std::vector<report::Input
   return words + " -o axis.toml --report report";
 }
 
+/// Units and parameters as the page of the result has them: those of JSON are of a linear axis also where the axis turns.
+nlohmann::ordered_json shown_of(const ident::Result& result) {
+  const report::ShownUnits units = report::units_of(result);
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ident::Parameter& p : result.parameters) {
+    const report::ShownParameter s = report::shown(p, units);
+    const auto number = [](double x) {
+      return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+    };
+    all.push_back({{"name", p.name},
+                   {"value", number(s.value)},
+                   {"unit", s.unit},
+                   {"ci95", {number(s.low), number(s.high)}},
+                   {"identifiable", p.identifiable}});
+  }
+  return {{"rotary", units.in_degrees()},
+          {"force", units.force},
+          {"velocity", units.velocity},
+          // Of velocities in mm/s where the axis is one, otherwise in its own unit.
+          {"per_velocity", units.linear() ? units.per_velocity * 1e-3 : 1.0},
+          {"parameters", std::move(all)}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json IdentifyView::inspect(const IdentifyRequest& r) const {
   const workflow::LogOptions options = log_options(r);
+  workflow::LogOptions whole = options;
+  std::erase_if(whole.maps, [](const std::string& map) { return map.starts_with(workflow::kNotUsed); });
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& id : r.logs) {
-    const io::Log log = read(uploads_.find(id), options);
+    const Upload upload = uploads_.find(id);
+    io::Log log = read(upload, options);
     const workflow::Inspection found = workflow::inspect(log, options);
     nlohmann::ordered_json one = found.json;
+    // A column that is left out can be chosen again.
+    if (whole.maps.size() < options.maps.size()) {
+      log = read(upload, whole);
+      one["columns"] = workflow::inspect(log, whole).json["columns"];
+    }
     // What the quantities of "axis" begin with.
     for (std::size_t i = 0; i < log.columns.size(); ++i) one["columns"][i]["header"] = log.columns[i].header;
     one["id"] = id;
@@ -119,6 +152,7 @@ nlohmann::ordered_json IdentifyView::identify(const IdentifyRequest& r) {
 
   auto result = std::make_shared<Result>();
   result->page = workflow::page_of(found, axis);
+  json["shown"] = shown_of(result->page.results.front());
   result->page.command = command;
   result->page.version = version_;
   result->page.inputs = std::move(inputs);

@@ -45,7 +45,8 @@ bool Site::stop(std::chrono::milliseconds patience) {
   const bool first = knobs_.stop(patience);
   const bool second = slower_.stop(patience);
   const bool third = files_.stop(patience);
-  return first && second && third;
+  const bool fourth = identifications_.stop(patience);
+  return first && second && third && fourth;
 }
 
 void Site::later(Newest& thread, const std::string& client, const Reply& reply,
@@ -81,7 +82,9 @@ void Site::computed(const Request& r, const Reply& reply) {
   auto answer = answers_.find(r);
   if (!answer) return reply(not_found());
   if (answer->takes == Answer::Takes::kNothing) return reply(answer->work([] { return false; }));
-  Newest& thread = answer->takes == Answer::Takes::kMilliseconds ? knobs_ : slower_;
+  Newest& thread = answer->takes == Answer::Takes::kMilliseconds ? knobs_
+                   : answer->takes == Answer::Takes::kSeconds    ? slower_
+                                                                 : identifications_;
   later(thread, answer->client, reply, std::move(answer->work));
 }
 

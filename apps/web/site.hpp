@@ -62,9 +62,10 @@ class Site {
   Answers answers_;
   LiveView live_;
   std::atomic<std::uint64_t> live_asked_{0};
-  Newest knobs_;   ///< what must answer at once
-  Newest slower_;  ///< identification, pages
-  Newest files_;   ///< recordings: neither of the others may delay them
+  Newest knobs_;            ///< what must answer at once
+  Newest slower_;           ///< looking into logs, pages
+  Newest files_;            ///< recordings: none of the others may delay them
+  Newest identifications_;  ///< minutes, for which no other page may wait
 };
 
 }  // namespace stribeck::web

@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t kMostKnown = 8;
 constexpr double kMostTicks = 60e3;  // of one controller: seconds of computing for the slowest law
 constexpr std::string_view kExperiment = "experiment";
+constexpr std::string_view kFiveAxis = "five-axis";  // no motion of the thesis
 
 [[noreturn]] void refuse(const std::string& key, const std::string& what) {
   throw io::InputError({"request", 0, key, what});
@@ -275,6 +276,7 @@ nlohmann::ordered_json WhatIf::form(const std::string& id) const {
     const bool free = which != kExperiment;
     motions[which] = {
         {"label", travel.name},
+        {"thesis", which == kExperiment && plan.experiment != kFiveAxis},
         {"free", free},
         {"size_mm", is_shape(which) ? nlohmann::ordered_json(10.0) : nlohmann::ordered_json(nullptr)},
         {"speed_mm_per_s", free && travel.pace != path::Pace::kRate

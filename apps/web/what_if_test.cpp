@@ -10,6 +10,7 @@
 #include <apps/web/what_if.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 
 namespace stribeck::web::what_if_test {
 namespace {
@@ -119,6 +120,36 @@ TEST_F(WhatIfTest, EveryBuiltInMachineHasAForm) {
     for (const ordered_json& p : form["parameters"]) friction = friction || p["key"] == "friction.coulomb";
     EXPECT_TRUE(friction) << m.id;
   }
+}
+
+// N and mm of an axis that turns would be wrong by three powers of ten to who reads its inertia.
+TEST_F(WhatIfTest, AxesThatTurnAreNamed) {
+  sim::Machine machine = machines_.read("built-in/biaxial-table").first;
+  machine.axes[1].second.rotary = true;
+  folder_.write("turning.toml", workflow::machine_text(machine, ""));
+  const ordered_json form = what_if_.form("folder/turning.toml");
+  EXPECT_EQ(form["rotary"], ordered_json({false, true}));
+  bool seen = false;
+  for (const ordered_json& p : form["parameters"]) {
+    if (p["key"] != "mass") continue;
+    seen = true;
+    EXPECT_FALSE(p["turning"].contains("x"));
+    const ordered_json& t = p["turning"]["y"];
+    EXPECT_EQ(t["unit"], "kg m2");
+    // 1 N s2/mm of the file is 1000 kg, at a radius of 1 m 1000 kg m2.
+    EXPECT_NEAR(t["factor"].get<double>(), 1000.0, 1e-9);
+  }
+  EXPECT_TRUE(seen);
+  EXPECT_EQ(what_if_.form("built-in/biaxial-table")["rotary"], ordered_json({false, false}));
+}
+
+TEST_F(WhatIfTest, OnlyMotionsOfTheThesisAreCalledSo) {
+  const auto thesis = [&](const std::string& id) {
+    return what_if_.form(id)["motions"]["experiment"].value("thesis", false);
+  };
+  EXPECT_TRUE(thesis("built-in/uniaxial-drive"));
+  EXPECT_TRUE(thesis("built-in/triaxial-tool"));
+  EXPECT_FALSE(thesis("built-in/five-axis-mill"));
 }
 
 TEST_F(WhatIfTest, OneAxisAndThree) {

@@ -30,16 +30,18 @@ int run_health(HealthCommand& o) {
   check_distinct(inputs, {page_of(o.common), o.common.json});
   if (const std::string first = before_first_test(o.what, o.archive); !first.empty())
     say(o.common, first + '\n');
+  o.what.log = o.log.resolved();
   check_health_options(o.what, o.archive);
   o.what.limits = {0.01 * o.limit, 0.01 * o.drift_limit};
   const OutputFolder page_folder = check_outputs(o.common);
   const OutputFolder archive_folder(o.archive);
   o.folder = ArchiveFolder(o.archive);
-  o.what.log = o.log.resolved();
   report::HealthReportInput page = check_health(o.what, o.folder);
-  page.command = typed_command();
-  page.version = STRIBECK_VERSION;
-  write_json(o.common.json, report::to_json(page), made_from(inputs));
+  const report::Made made = made_from(inputs);
+  page.command = made.command;
+  page.version = made.version;
+  page.inputs = made.inputs;
+  write_json(o.common.json, report::to_json(page), made);
   report::write_health_report(folders_of(o.common), page);
   say(o.common, report::text_table(page));
   return page.changed() ? 1 : 0;

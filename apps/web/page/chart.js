@@ -16,9 +16,17 @@ const niceStep = (range, count) => {
   return [1, 2, 5, 10].map((d) => d * ten).find((d) => d >= raw * 0.999);
 };
 const tics = ([low, high], count) => {
-  const step = niceStep(high - low, count);
-  const all = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) all.push(k * step);
+  let step = niceStep(high - low, count), all = [];
+  const fill = () => {
+    all = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) all.push(k * step);
+  };
+  fill();
+  // One number tells no scale.
+  for (let finer = 0; all.length < 2 && finer < 3; ++finer) {
+    step = niceStep(step * 0.4, 1);
+    fill();
+  }
   const digits = Math.max(0, Math.min(9, Math.ceil(-Math.log10(step) + 0.01)));
   return all.map((v) => [v, (Math.abs(v) < step / 2 ? 0 : v).toFixed(digits).replace('-', '\u2212')]);
 };

@@ -51,7 +51,7 @@ const add = async (files) => {
 const requestOf = () => {
   const r = {logs: logs.map((l) => l.id), client};
   for (const key of ['axis', 'gain', 'lead', 'sample_time', 'mass']) if (byId(key).value.trim() !== '') r[key] = byId(key).value.trim();
-  const maps = [...chosen].filter(([, c]) => c.quantity !== '').map(([name, c]) => `${c.quantity}=${name} ${c.unit}`.trim());
+  const maps = [...chosen].map(([name, c]) => c.quantity === '' ? 'none=' + name : `${c.quantity}=${name} ${c.unit}`.trim());
   if (maps.length > 0) r.maps = maps;
   return r;
 };
@@ -114,7 +114,7 @@ const drawColumns = () => {
     const unit = element('input', {id: 'unit-' + i, type: 'text', value: mine ? mine.unit : c.unit, 'aria-label': 'Unit of ' + c.name, placeholder: 'unit', maxlength: 20});
     const change = () => {
       // A quantity has one column.
-      for (const [name, other] of chosen) if (other.quantity === select.value) chosen.delete(name);
+      for (const [name, other] of chosen) if (select.value !== '' && other.quantity === select.value) chosen.delete(name);
       chosen.set(c.name, {quantity: select.value, unit: unit.value.trim()});
       inspect();
     };
@@ -176,13 +176,14 @@ byId('controls').addEventListener('submit', async (event) => {
 const interval = (ci) => ci && ci[0] !== null ? `${shown(ci[0], 4)} to ${shown(ci[1], 4)}` : '\u2013';
 
 const drawResult = () => {
-  const force = result.force_unit;
-  const mass = result.parameters.find((p) => p.name === 'mass');
-  const level = result.parameters.find((p) => p.name.startsWith('coulomb'));
+  // As the page of this result says it: an axis that turns in deg and N m.
+  const {force, velocity, per_velocity: perVelocity, parameters, rotary} = result.shown;
+  const mass = parameters.find((p) => p.name === 'mass');
+  const level = parameters.find((p) => p.name.startsWith('coulomb'));
   const parts = [];
-  if (result.mass_kg !== null && result.mass_kg !== undefined)
+  if (result.mass_kg !== null && result.mass_kg !== undefined && !rotary)
     parts.push(['Mass', shown(result.mass_kg, 4), 'kg', interval(result.mass_ci95_kg)]);
-  else if (mass) parts.push(['Mass', shown(mass.value, 4), unitText(mass.unit), interval(mass.ci95)]);
+  else if (mass) parts.push([rotary ? 'Inertia' : 'Mass', shown(mass.value, 4), unitText(mass.unit), interval(mass.ci95)]);
   if (level) parts.push([level.name.replace(/_/g, ' ').replace(/^./, (c) => c.toUpperCase()), shown(level.value, 4), unitText(level.unit), interval(level.ci95)]);
   if (result.r_squared !== null && result.r_squared !== undefined) parts.push(['Explained', shown(100 * result.r_squared, 4), '%', '']);
   byId('numbers').replaceChildren(...parts.map(([name, value, unit, ci]) => element('div', {}, element('dt', {text: name}),
@@ -191,10 +192,10 @@ const drawResult = () => {
     `${parts[0][0].toLowerCase()} ${parts[0][1]} ${parts[0][2]}, 95 % interval ${parts[0][3]}.` : 'done.') +
     (result.warnings.length > 0 ? ` ${result.warnings.length} warning${result.warnings.length > 1 ? 's' : ''} below.` : ''));
 
-  const v = result.curve.map((p) => p.velocity_mm_per_s ?? p.velocity);
+  const v = result.curve.map((p) => (p.velocity_mm_per_s ?? p.velocity) * perVelocity);
   const f = result.curve.map((p) => p.friction_N ?? p.friction);
   const ci = result.curve.map((p) => p.ci95_N ?? p.ci95 ?? [null, null]);
-  curve.options.x = result.position_unit === 'm' ? 'velocity [mm/s]' : `velocity [${result.position_unit}/s]`;
+  curve.options.x = `velocity [${velocity}]`;
   curve.options.y = `friction [${force}]`;
   // Between the directions friction jumps: no line joins them.
   const turn = v.findIndex((one) => one > 0);
@@ -210,9 +211,9 @@ const drawResult = () => {
   const row = (p) => [p.name.replace(/_/g, ' '), shown(p.value, 4), shown(p.ci95?.[0], 4), shown(p.ci95?.[1], 4), unitText(p.unit || ''), p.identifiable ? 'yes' : 'no'];
   // Terms of a map mean something together only: the figure shows them.
   const isTerm = (p) => /^(friction_at|gaussian|eta)/.test(p.name);
-  byId('parameters').replaceChildren(table('Parameters', head, result.parameters.filter((p) => !isTerm(p)).map(row)),
+  byId('parameters').replaceChildren(table('Parameters', head, parameters.filter((p) => !isTerm(p)).map(row)),
       element('details', {}, element('summary', {text: 'Parameters of the friction map'}),
-          table('Parameters of the friction map', head, result.parameters.filter(isTerm).map(row))));
+          table('Parameters of the friction map', head, parameters.filter(isTerm).map(row))));
   const rms = Object.keys(result.models[0] || {}).find((k) => k.startsWith('held_out_rms'));
   byId('models').replaceChildren(...(result.models.length === 0 ? [] : [element('details', {}, element('summary', {text: 'Models that were tried'}),
       table('Models that were tried', [{text: 'model'}, {text: 'parameters', number: true},

@@ -11,9 +11,9 @@ let flying = 0;
 let waiting = false;
 
 const contour = new Chart(byId('contour'), {title: 'Contour with magnified error', x: '', y: '', equal: true, twoWay: true});
-const errors = new Chart(byId('error'), {title: 'Error over time', x: 'time [s]', y: 'error [\u00b5m]'});
-const forces = new Chart(byId('force'), {title: 'Force over time', x: 'time [s]', y: 'force [N]'});
-const friction = new Chart(byId('friction'), {title: 'Friction over velocity', x: 'velocity [mm/s]', y: 'friction [N]', twoWay: true});
+const errors = new Chart(byId('error'), {title: 'Error over time', x: 'time [s]', y: ''});
+const forces = new Chart(byId('force'), {title: 'Force over time', x: 'time [s]', y: ''});
+const friction = new Chart(byId('friction'), {title: 'Friction over velocity', x: '', y: '', twoWay: true});
 
 const looks = new Map();  // a controller keeps its colour while others come and go
 const lookOf = (id) => {
@@ -70,16 +70,26 @@ const valueControl = (p, n) => {
   }
   if (values.some(([, v]) => v === 0)) {
     const id = 'value-' + n;
-    return element('div', {class: 'slider'}, element('label', {for: id, text: `${label} [${unit || '1'}]`}),
-        element('input', {id, type: 'number', step: 'any', value: set ? parseFloat(set.value) : values[0][1], title: p.doc, oninput: (e) => {
-          const v = Number(e.target.value);
-          change(e.target.value === '' || v === values[0][1] ? null : {key, value: (e.target.value + ' ' + p.unit).trim()});
-        }}));
+    // One number stands for all axes only where they have the same.
+    const same = values.every(([, v]) => v === values[0][1]);
+    const turning = values.every(([axis]) => p.turning?.[axis]) ? p.turning[values[0][0]] : null;
+    const factor = turning ? turning.factor : 1;  // the server knows the unit of the linear axis
+    return element('div', {class: 'slider'}, element('label', {for: id, text: `${label} [${turning ? unitText(turning.unit) : unit || '1'}]`}),
+        element('input', {id, type: 'number', step: 'any', value: set ? parseFloat(set.value) * factor : same ? values[0][1] * factor : null, title: p.doc,
+          placeholder: same ? null : values.map(([axis, v]) => `${axis} ${shown(v)}`).join(', '), oninput: (e) => {
+            const v = Number(e.target.value) / factor;
+            change(e.target.value === '' || (same && v === values[0][1]) ? null : {key, value: (v + ' ' + p.unit).trim()});
+          }}));
   }
   return slider('value-' + n, label, p.doc, {min: -1, max: 1, step: 0.01, value: 0, now: set ? Math.log10(set.scale).toFixed(2) : 0,
     words: (s) => '\u00d7 ' + shown(Math.pow(10, s), 3) +
-      (p.kind === 'scale' ? '' : ':' + values.map(([axis, v]) => ` ${values.length > 1 ? axis + ' ' : ''}${shown(v * Math.pow(10, s), 3)}`)
-          .join(',') + ' ' + unit),
+      (p.kind === 'scale' ? '' : ':' + values.map(([axis, v], i) => {
+        // An axis that turns has units of its own.
+        const turning = p.turning?.[axis];
+        const last = i + 1 === values.length || turning || p.turning?.[values[i + 1][0]];
+        return ` ${values.length > 1 ? axis + ' ' : ''}${shown(v * Math.pow(10, s) * (turning ? turning.factor : 1), 3)}` +
+          (last ? ' ' + (turning ? unitText(turning.unit) : unit) : '');
+      }).join(',')),
     input: (s) => change(s === 0 ? null : {key, scale: Number(Math.pow(10, s).toPrecision(6))})});
 };
 
@@ -124,8 +134,11 @@ const drawSliders = () => {
 const drawMotion = () => {
   const motion = machine.motions[byId('motion').value];
   for (const [id, value] of [['size', motion.size_mm], ['speed', motion.speed_mm_per_s]]) {
+    // Where every axis turns, a mm is a mrad.
+    const unit = machine.rotary.every((r) => r) ? 'mrad' : 'mm';
+    document.querySelector(`label[for=${id}]`).textContent = id === 'size' ? `Size (radius) [${unit}]` : `Speed [${unit}/s]`;
     byId(id).value = value === null ? '' : Number(value.toPrecision(6));
-    byId(id).placeholder = motion.free ? 'by the machine' : 'as in the thesis';
+    byId(id).placeholder = motion.free ? 'by the machine' : motion.thesis ? 'as in the thesis' : 'of its own';
     byId(id).disabled = !motion.free;
   }
   const before = new Set([...document.querySelectorAll('#controllers input:checked, #more-controllers input:checked')].map((i) => i.value));
@@ -148,7 +161,9 @@ const drawMachine = async () => {
   }
   looks.clear();
   const names = {circle: 'Circle', eight: 'Eight', trifolium: 'Trifolium', own: 'Circle through all axes', experiment: 'As in the thesis'};
-  optionsOf(byId('motion'), Object.keys(machine.motions).map((m) => [m, names[m] || m]), machine.motion);
+  if (machine.axes.length === 1) names.own = 'Sine';
+  const nameOf = (m) => m === 'experiment' && !machine.motions[m].thesis ? machine.motions[m].label : names[m] || m;
+  optionsOf(byId('motion'), Object.keys(machine.motions).map((m) => [m, nameOf(m)]), machine.motion);
   const all = machine.axes.length > 1 ? [['*', 'all axes alike']] : [];
   optionsOf(byId('which'), all.concat(machine.axes.map((a) => [a, 'axis ' + a])), all.length > 0 ? '*' : machine.axes[0]);
   byId('identify-changed').checked = false;
@@ -232,17 +247,23 @@ function take(result, request) {
   drawAll();
 }
 
+// An axis that turns is carried at a radius of 1 m: its mm are mrad, its N are N m.
+const turns = (i) => answer.rotary[i];
+const length = (i) => turns(i) ? 'mrad' : 'mm';
+// Of an error of all axes together.
+const small = () => answer.rotary.every((r) => r) ? '\u00b5rad' : '\u00b5m';
+
 const word = () => answer.axes.length === 1 ? 'tracking error' : 'contour error';
 
 const drawLead = () => {
   const rows = answer.result.rows.filter((r) => !r.refused);
   if (rows.length === 0) return say('No controller follows the path: ' + answer.result.rows[0].refused);
   const best = rows.reduce((a, b) => b.max_contour_error_um < a.max_contour_error_um ? b : a);
-  let text = `On ${answer.motion}: (${best.controller}) ${best.label} leaves a ${word()} of at most ${shown(best.max_contour_error_um)} \u00b5m`;
+  let text = `On ${answer.motion}: (${best.controller}) ${best.label} leaves a ${word()} of at most ${shown(best.max_contour_error_um)} ${small()}`;
   const before = asFile && asFile.rows.get(best.controller);
   if (before && form.changes.size + form.control.size > 0)
-    text += `, ${shown(before.max_contour_error_um)} \u00b5m with the machine as in the file`;
-  else if (rows.length > 1) text += `, ${shown(Math.max(...rows.map((r) => r.max_contour_error_um)))} \u00b5m is the largest of the others`;
+    text += `, ${shown(before.max_contour_error_um)} ${small()} with the machine as in the file`;
+  else if (rows.length > 1) text += `, ${shown(Math.max(...rows.map((r) => r.max_contour_error_um)))} ${small()} is the largest of the others`;
   say(text + '.');
 };
 
@@ -255,9 +276,10 @@ const setMagnification = (request) => {
   const c = answer.curves[0];
   if (!c || answer.axes.length < 2) return;
   const span = Math.max(...[0, 1].map((i) => Math.max(...c.reference_mm[i]) - Math.min(...c.reference_mm[i])));
-  const worst = Math.max(...answer.curves.map((one) => Math.max(...one.error_um.map(Math.abs))), 1e-3);
+  // Of what is drawn: the motion before and after it may err more.
+  const worst = Math.max(...answer.curves.map((one) => Math.max(...one.error_um.map((e, k) => one.scored[k] ? Math.abs(e) : 0))), 1e-3);
   const wish = Math.log10(span / 6 / (worst * 1e-3));
-  byId('magnify').value = Math.min(4, Math.max(2, wish));
+  byId('magnify').value = Math.min(4, Math.max(0, wish));
 };
 const magnification = () => Number(Math.pow(10, Number(byId('magnify').value)).toPrecision(2));
 
@@ -267,8 +289,8 @@ const drawContour = () => {
   byId('magnified').textContent = '\u00d7 ' + m;
   byId('magnify').setAttribute('aria-valuetext', m + ' times');
   if (byId('contour-figure').hidden) return;
-  contour.options.x = answer.axes[0] + ' [mm]';
-  contour.options.y = answer.axes[1] + ' [mm]';
+  contour.options.x = `${answer.axes[0]} [${length(0)}]`;
+  contour.options.y = `${answer.axes[1]} [${length(1)}]`;
   const first = answer.curves[0];
   const scored = (c, f) => c.scored.map((s, k) => s ? f(k) : null);
   const series = answer.curves.map((c) => ({label: `(${c.controller})`, look: lookOf(c.controller),
@@ -281,17 +303,18 @@ const drawContour = () => {
     const raw = w / 6 * perPixel;
     const ten = Math.pow(10, Math.floor(Math.log10(raw)));
     const um = [1, 2, 5, 10].map((d) => d * ten).reverse().find((d) => d <= raw) || ten;
-    const length = um / perPixel, x = left + 12, y = top + h - 12;
-    make('path', {d: `M${x} ${y - 4}v8M${x} ${y}h${length}m0 -4v8`, class: 'axes', fill: 'none'}, svg);
-    make('text', {x: x + length + 6, y: y + 4}, svg, shown(um) + ' \u00b5m');
+    const bar = um / perPixel, x = left + 12, y = top + h - 12;
+    make('path', {d: `M${x} ${y - 4}v8M${x} ${y}h${bar}m0 -4v8`, class: 'axes', fill: 'none'}, svg);
+    make('text', {x: x + bar + 6, y: y + 4}, svg, `${shown(um)} ${small()}`);
   });
 };
 const spoken = () => answer.result.rows.map((r) => `(${r.controller}) largest error ` +
-  (r.refused ? 'unknown' : shown(r.max_contour_error_um) + ' micrometres')).join(', ');
+  (r.refused ? 'unknown' : shown(r.max_contour_error_um) + (small() === '\u00b5m' ? ' micrometres' : ' microradians'))).join(', ');
 
 const drawAll = () => {
   drawContour();
   byId('error-head').textContent = word().replace(/^./, (c) => c.toUpperCase()) + ' over time';
+  errors.options.y = `error [${small()}]`;
   errors.set(answer.curves.map((c) => ({label: `(${c.controller})`, look: lookOf(c.controller), x: c.t_s, y: c.error_um})), spoken());
   drawAxis();
   drawFigures();
@@ -308,6 +331,9 @@ const drawAll = () => {
 
 const drawAxis = () => {
   const i = Math.max(0, answer.axes.indexOf(byId('shown-axis').value));
+  forces.options.y = turns(i) ? 'torque [N m]' : 'force [N]';
+  friction.options.x = `velocity [${length(i)}/s]`;
+  friction.options.y = turns(i) ? 'friction [N m]' : 'friction [N]';
   forces.set(answer.curves.map((c) => ({label: `(${c.controller})`, look: lookOf(c.controller), x: c.t_s, y: c.force_N[i]})), 'axis ' + answer.axes[i]);
   const map = answer.friction[i];
   if (!map) return;
@@ -325,9 +351,9 @@ const drawAxis = () => {
 
 const drawFigures = () => {
   const compared = asFile && form.changes.size + form.control.size > 0;
-  const head = [{text: 'controller'}, {text: 'largest', unit: '\u00b5m', number: true}, {text: 'glitch', unit: '\u00b5m', number: true},
-    {text: 'RMS', unit: '\u00b5m', number: true}, {text: 'mean', unit: '\u00b5m', number: true}, {text: 'input', unit: 'mV', number: true}];
-  if (compared) head.splice(2, 0, {text: 'as in the file', unit: '\u00b5m', number: true});
+  const head = [{text: 'controller'}, {text: 'largest', unit: small(), number: true}, {text: 'glitch', unit: small(), number: true},
+    {text: 'RMS', unit: small(), number: true}, {text: 'mean', unit: small(), number: true}, {text: 'input', unit: 'mV', number: true}];
+  if (compared) head.splice(2, 0, {text: 'as in the file', unit: small(), number: true});
   const rows = answer.result.rows.map((r) => {
     const name = element('span', {}, contour.sample(lookOf(idOf(r))), ` (${r.controller}) ${r.label}`);
     if (r.refused) name.append(element('span', {class: 'note', text: r.refused}));

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stribeck/core/walk_fields.hpp>
+#include <stribeck/ident/bristle/told_break_away.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/factors.hpp>
@@ -250,7 +251,7 @@ nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axi
   }
   out["models"] = std::move(models);
   out["friction"] = members(value_of(result.friction), units);
-  const double way = result.break_away_distance;
+  const double way = ident::told_break_away(result);
   put(out, "break_away", "um", units.linear(), number_or_null(way * kMicro), number_or_null(way));
   out["cannot_tell"] = result.cannot_tell;
   out["warnings"] = result.warnings;

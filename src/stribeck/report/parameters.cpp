@@ -6,6 +6,7 @@
 #include <stribeck/ident/stats/order.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/parameters.hpp>
+#include <stribeck/report/plot/time_axis.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
 
@@ -177,7 +178,9 @@ Table candidate_table(const ident::Result& result) {
 }
 
 std::vector<Plot> friction_plots(const FrictionMap& map) {
-  const ShownUnits units = map.fit != nullptr ? units_of(*map.fit) : ShownUnits();
+  const ShownUnits units = map.fit != nullptr ? units_of(*map.fit)
+                           : map.rotary       ? ShownUnits::turning()
+                                              : ShownUnits();
   const double scale = units.per_velocity;
   const bool periodic = map.fit != nullptr && !map.fit->friction.eccentric.empty();
   const bool fitted = map.fit != nullptr && map.fit->curve.size() > 1;
@@ -311,11 +314,15 @@ std::vector<Plot> residual_plots(const ident::Result& result) {
     std::string unit;
     double ident::ResidualPoint::*member;
     double scale;
+    double origin = 0.0;
   };
+  std::vector<double> times;
+  for (const auto& r : result.residuals) times.push_back(r.t);
+  const TimeAxis time = time_axis(times);
   const std::array views{
       View{"velocity", units.velocity, &ident::ResidualPoint::v, units.per_velocity},
       View{"position", units.position, &ident::ResidualPoint::x, units.per_position},
-      View{"time", "s", &ident::ResidualPoint::t, 1.0},
+      View{"time", "s", &ident::ResidualPoint::t, 1.0, time.origin},
   };
   std::vector<double> sizes;
   for (const auto& p : result.residuals) {
@@ -329,6 +336,7 @@ std::vector<Plot> residual_plots(const ident::Result& result) {
     Plot p;
     p.title = "Residual against " + view.over;
     p.x_label = view.over + " [" + view.unit + "]";
+    if (view.member == &ident::ResidualPoint::t) p.x_label = time.label;
     p.y_label = "residual [" + units.force + "]";
     p.width = 560;
     p.height = 300;
@@ -339,7 +347,7 @@ std::vector<Plot> residual_plots(const ident::Result& result) {
                   .width = 1.2};
     for (const auto& r : result.residuals) {
       if (!std::isfinite(r.error) || !std::isfinite(r.*view.member)) continue;
-      points.x.push_back(r.*view.member * view.scale);
+      points.x.push_back((r.*view.member - view.origin) * view.scale);
       points.y.push_back(r.error);
     }
     p.series.push_back(std::move(points));

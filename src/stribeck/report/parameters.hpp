@@ -44,7 +44,8 @@ struct FrictionMap {
   std::optional<friction::SteadyVariant> conventional = {};
   std::optional<friction::SteadyVariant> truth = {};
   std::string truth_label = "true friction";
-  double speed = 0.0;  ///< largest velocity to draw where there is no fit [m/s]
+  double speed = 0.0;   ///< largest velocity to draw where there is no fit [m/s]
+  bool rotary = false;  ///< without a fit, which knows it
 };
 
 /// The map, and the difference of everything in it from the fit (or the model). Periodic terms are not included.

@@ -100,6 +100,9 @@ TEST(CompareReport, SharedWarningsAreSaidOnce) {
   EXPECT_THAT(page,
               HasSubstr("<li>speeds above 9 mm/s were seen once (axis x, gaussian model; axis y, gaussian "
                         "model)</li>"));
+  // The caller of a comparison has them already.
+  in.warnings = {"speeds above 9 mm/s were seen once (axis x, gaussian model; axis y, gaussian model)"};
+  EXPECT_EQ(count(compare_report(in), "<li>speeds above 9 mm/s were seen once ("), 1u);
 }
 
 /// Width and height of what the first path of a colour covers [px].
@@ -143,6 +146,54 @@ TEST(CompareReport, ContourIsDrawnOnTheRightSide) {
   EXPECT_GT(path[0], 100.0);
 }
 
+/// The circle of two_controllers() as a machine of one's own gets it: about the middle of the travel.
+path::Fourier<2> own_circle(double radius) {
+  path::Fourier<2> p;
+  p.axis[0] = {0.1, {path::Harmonic{radius, 1.0, 0.0}}};
+  p.axis[1] = {-0.05, {path::Harmonic{radius, 1.0, -0.5 * kPi}}};
+  return p;
+}
+
+TEST(CompareReport, TheCircleOfAMachineOfOnesOwnIsDrawnToo) {
+  CompareReportInput in = input();
+  in.axes.clear();
+  in.result.rows.resize(1);
+  for (auto& s : in.result.rows[0].trace) s.contour_error = 8e-6;
+  in.result.spec.travels[0].path = own_circle(0.01);
+  const std::string page = compare_report(in);
+  ASSERT_THAT(page, HasSubstr("Contour, error magnified</h2>"));
+  const auto at = page.find("<svg", page.find("Contour, error magnified</h2>"));
+  const std::string svg = page.substr(at, page.find("</svg>", at) - at);
+  const auto path = extent(svg, "#9aa0a6");
+  const auto way = extent(svg, "#7a7a7a");
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(way[k], 0.6 * path[k], 0.3) << path[k];
+  EXPECT_NEAR(path[0], path[1], 0.5);
+  EXPECT_THAT(svg, HasSubstr("max 8.00"));
+  EXPECT_THAT(page, HasSubstr("angle φ of the reference"));
+  // A sum of harmonics that is no circle is called by its parameter.
+  auto eight = own_circle(0.01);
+  eight.axis[1].terms[0].order = 2.0;
+  in.result.spec.travels[0].path = eight;
+  EXPECT_THAT(compare_report(in), HasSubstr("parameter φ of the path"));
+}
+
+// Behind 2 mm of path an axis of a circle of 30 mm has travelled 0.07 mm.
+TEST(CompareReport, TheEndOfTheGlitchWindowIsInsideTheCloseUp) {
+  CompareReportInput in = input();
+  in.axes.clear();
+  const auto marks = [&] {
+    const std::string page = compare_report(in);
+    return count(page.substr(page.find("One quadrant, close up</h2>")), "<text>0.15 mm of ");
+  };
+  const std::size_t small = marks();
+  EXPECT_EQ(small, 2u);
+  for (auto& row : in.result.rows)
+    for (auto& s : row.trace) s.reference = 3.0 * s.reference;
+  in.result.spec.travels[0].path = own_circle(0.03);
+  in.result.spec.travels[0].speed *= 3.0;
+  EXPECT_EQ(marks(), small);
+}
+
 TEST(CompareReport, TruthOnlyWhereItIsGiven) {
   CompareReportInput in = input();
   EXPECT_THAT(compare_report(in), Not(HasSubstr("true friction")));
@@ -153,6 +204,23 @@ TEST(CompareReport, TruthOnlyWhereItIsGiven) {
   EXPECT_THAT(page, HasSubstr("true friction of the virtual machine, which no controller may use"));
   // In the map of y and in the forces of y.
   EXPECT_EQ(count(page, "<text>true friction</text>"), 2u);
+}
+
+TEST(CompareReport, AnAxisThatTurnsHasTorques) {
+  CompareReportInput in = input();
+  EXPECT_EQ(count(compare_report(in), "force [N]</text>"), 2u);
+  in.axes[0].rotary = true;
+  in.axes[0].models[0].second.rotary = true;
+  const std::string page = compare_report(in);
+  EXPECT_EQ(count(page, "force [N]</text>"), 1u);  // of y
+  EXPECT_EQ(count(page, "torque [N m]</text>"), 1u);
+  EXPECT_THAT(page, HasSubstr("20.5 N m RMS on motion that was not fitted"));
+  // Without a fit the axis file is drawn in the same units.
+  in.axes[0].models.clear();
+  friction::Model truth;
+  truth.steady = friction::Conventional<double>{800.0, 1e5, {}};
+  in.axes[0].truth = truth;
+  EXPECT_THAT(compare_report(in), HasSubstr("friction [N m]</text>"));
 }
 
 TEST(CompareReport, WarnsOfWhatHappened) {
@@ -225,7 +293,7 @@ TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
   // Map 2, residual 3, spectrum 1.
   EXPECT_EQ(count(page, "<svg "), 6u);
   EXPECT_THAT(page, HasSubstr("A force of 1.50 N repeats every 2.500 mm and reverses with the direction"));
-  EXPECT_THAT(page, HasSubstr("settles over 12 µm of travel"));
+  EXPECT_THAT(page, HasSubstr("breaks away after about 12 µm"));
   EXPECT_THAT(page, HasSubstr("What this log does not determine</b><ul>\n<li>the stiffness of pre-sliding"));
   EXPECT_THAT(page, HasSubstr("measured, less periodic terms"));
   EXPECT_THAT(page, HasSubstr("Residual against position"));

@@ -68,6 +68,25 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result) {
   return all;
 }
 
+std::vector<std::string> identification_warnings(const std::vector<ModelOfAxis>& models) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;
+  for (const ModelOfAxis& m : models) {
+    for (const std::string& w : m.result->warnings) {
+      const auto at = std::find_if(said.begin(), said.end(), [&](const auto& s) { return s.first == w; });
+      const std::string of = fmt::format("axis {}, {} model", m.axis, m.result->model);
+      if (at == said.end()) {
+        said.push_back({w, {of}});
+      } else {
+        at->second.push_back(of);
+      }
+    }
+  }
+  std::vector<std::string> all;
+  for (const auto& [w, of] : said)
+    all.push_back(of.size() == 1 ? of.front() + ": " + w : fmt::format("{} ({})", w, joined(of, "; ")));
+  return all;
+}
+
 namespace {
 
 /// "+3 ± 2 %".

@@ -21,6 +21,13 @@ std::vector<std::string> travel_warnings(const sim::CompareSpec& spec);
 /// The same, then what controllers reported during the runs (limits, models used outside their range), one sentence for each row.
 std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
+struct ModelOfAxis {
+  std::string axis;
+  const ident::Result* result = nullptr;
+};
+/// What the identification of the compensators warned of; text that several models share is said once.
+std::vector<std::string> identification_warnings(const std::vector<ModelOfAxis>& models);
+
 /// Whether adaptation determines a change with this standard deviation, a share. Above 0.5 the estimate is still its start value.
 constexpr bool change_is_known(double deviation) { return deviation <= 0.5; }
 /// Changes since identification that on-line adaptation found, one sentence for each row and axis.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/date.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/health/health_parts.hpp>
@@ -71,21 +72,23 @@ Plot trend_plot(const Channel& c, const std::vector<Change>& changes) {
 
 /// Friction by speed in both directions, of the first and of the last test.
 Plot speed_plot(const HealthAxis& axis) {
+  const bool rotary = !axis.health.channels.empty() && axis.health.channels.front().rotary;
+  const double per_si = rotary ? 180.0 / kPi : 1e3;
   Plot p;
   p.title = "Friction by speed, axis " + axis.name;
-  p.x_label = "velocity [mm/s]";
-  p.y_label = "force [N]";
+  p.x_label = rotary ? "velocity [deg/s]" : "velocity [mm/s]";
+  p.y_label = rotary ? "torque [N m]" : "force [N]";
   for (const bool last : {false, true}) {
     const health::HealthTest& test = last ? axis.tests.back() : axis.tests.front();
     Series s{.label = health::date_of(test.day), .color = last ? "#d55e00" : "#0072b2"};
     for (auto it = test.axis->friction.rbegin(); it != test.axis->friction.rend(); ++it) {
-      s.x.push_back(-1e3 * it->speed);
+      s.x.push_back(-per_si * it->speed);
       s.y.push_back(-it->backward.value);
     }
     s.x.push_back(0.0);
     s.y.push_back(std::nan(""));
     for (const health::AtSpeed& at : test.axis->friction) {
-      s.x.push_back(1e3 * at.speed);
+      s.x.push_back(per_si * at.speed);
       s.y.push_back(at.forward.value);
     }
     p.series.push_back(std::move(s));
@@ -144,21 +147,24 @@ Page health_report_page(const HealthReportInput& input) {
     page.lead(fmt::format("{}: {}, {}.", axis.motion.empty() ? "Circle" : "Axis " + axis.name, tests_of(axis),
                           verdict_of(axis)));
   page.paragraph(fmt::format(
-      "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself; tables and figures have the forces themselves. A step counts from {} % on, a slow change from {} % on. "
+      "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself; tables and figures have the forces themselves. A step counts from {} % on, a slow change from {} % on{}. "
       "A step needs three tests before it is believed.",
-      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift)));
+      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
+      further_limits(input)));
   for (const HealthAxis& axis : input.axes) {
     page.section(axis.motion.empty() ? "Circle" : "Axis " + axis.name);
     page.table(numbers_of(axis));
+    if (const std::string pending = pending_of(axis); !pending.empty()) page.paragraph(pending + ".");
     add_changes(page, axis);
     std::vector<Plot> plots;
     for (const Channel& c : axis.health.channels) plots.push_back(trend_plot(c, axis.health.changes));
     page.figures(
         plots, 2,
         fmt::format(
-            "Tests (points), fit with its 95 % interval, limits of a slow change (dashed, {} %). Vertical "
+            "Tests (points), fit with its 95 % interval, limits of a slow change (dashed, {} %{}). Vertical "
             "lines: days of steps of {} % and more, which may end within the dashed lines.",
-            short_number(100.0 * input.limits.drift), short_number(100.0 * input.limits.step)));
+            short_number(100.0 * input.limits.drift), further_limits(input),
+            short_number(100.0 * input.limits.step)));
     if (axis.tests.front().axis) page.figure(speed_plot(axis), "First and last test.");
     if (!axis.motion.empty()) {
       page.subsection("Motion to repeat");
@@ -166,7 +172,7 @@ Page health_report_page(const HealthReportInput& input) {
     }
   }
   page.warnings(input.remarks);
-  page.made({input.command, input.version, {}});
+  page.made({input.command, input.version, input.inputs});
   return page;
 }
 

@@ -34,6 +34,7 @@ struct HealthReportInput {
   std::vector<std::string> remarks;
   std::string command;
   std::string version;
+  std::vector<InputFile> inputs = {};  ///< machine file and logs of today
 
   [[nodiscard]] bool changed() const noexcept {
     for (const HealthAxis& a : axes) {

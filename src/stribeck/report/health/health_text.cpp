@@ -110,6 +110,8 @@ std::string name_of(const Channel& c) {
       return "mass";
     case Number::kSpring:
       return "spring, at the end of the travel";
+    case Number::kUnbalance:
+      return "unbalance";
     case Number::kPlace:
       return fmt::format("above the mean, {} to {} {}", decimals(travel.per_si * c.at[0], 1),
                          decimals(travel.per_si * c.at[1], 1), travel.name);
@@ -141,7 +143,8 @@ HealthUnit unit_of(const Channel& c) {
 std::string status_of(const Channel& c) {
   if (!c.trend.known()) return "too few tests";
   if (c.trend.stepped) return "changed";
-  return c.trend.drifted ? "drifted" : "ok";
+  if (c.trend.drifted) return "drifted";
+  return c.trend.pending ? "test again" : "ok";
 }
 
 std::string percent(double share, int digits) { return with_sign(100.0 * share, digits) + " %"; }
@@ -182,10 +185,37 @@ std::string tests_of(const HealthAxis& axis) {
   return n == 1 ? "1 test, " + first : fmt::format("{} tests from {} to {}", n, first, last);
 }
 
+std::string pending_of(const HealthAxis& axis) {
+  std::vector<std::string> words;
+  std::size_t tests = 0;
+  for (const Channel& c : axis.health.channels) {
+    if (!c.trend.pending || c.trend.changed()) continue;
+    words.push_back(name_of(c) + " " + percent(c.share(c.trend.pending->change), 0));
+    tests = std::max(tests, c.trend.pending->tests);
+  }
+  if (words.empty()) return {};
+  return fmt::format(
+      "The newest {}: {}. {} no change yet, it may be an outlier: repeat the test, a change needs three",
+      tests == 1 ? "test differs from those before" : "two tests differ from those before",
+      joined(words, "; "), tests == 1 ? "One test is" : "Two tests are");
+}
+
+std::string further_limits(const HealthReportInput& input) {
+  for (const HealthAxis& axis : input.axes) {
+    for (const Channel& c : axis.health.channels) {
+      if (c.number == Number::kViscous && c.trend.known() && c.trend.drift_limit != input.limits.drift)
+        return fmt::format(" (of viscous friction without temperatures {} %)",
+                           short_number(100.0 * c.trend.drift_limit));
+    }
+  }
+  return {};
+}
+
 std::string verdict_of(const HealthAxis& axis) {
   if (axis.health.changed()) return "changed beyond its limits";
   const bool known = std::any_of(axis.health.channels.begin(), axis.health.channels.end(),
                                  [](const Channel& c) { return c.trend.known(); });
+  if (known && !pending_of(axis).empty()) return "the newest test differs";
   return known ? "no change beyond the limits" : "too few tests for a trend (three are needed)";
 }
 
@@ -196,6 +226,7 @@ std::string text_table(const HealthReportInput& input) {
     const std::string name = axis.motion.empty() ? "Circle" : "Axis " + clean_text(axis.name);
     out += fmt::format("{}{}: {}, {}.\n", out.empty() ? "" : "\n", name, tests_of(axis), verdict_of(axis));
     out += numbers_table(axis);
+    if (const std::string pending = pending_of(axis); !pending.empty()) out += pending + ".\n";
     for (const Change& change : axis.health.changes) {
       out += fmt::format("{}: {}\n  {}\n", when(change), kind_of(change),
                          effects_of(change, axis.health.channels));
@@ -208,8 +239,9 @@ std::string text_table(const HealthReportInput& input) {
     }
   }
   out += fmt::format(
-      "\nChanges of forces are shares of the friction level of the first test, of Coulomb friction of itself. Limits: a step of {} %, a slow change of {} %.\n",
-      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift));
+      "\nChanges of forces are shares of the friction level of the first test, of Coulomb friction of itself. Limits: a step of {} %, a slow change of {} %{}.\n",
+      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
+      further_limits(input));
   for (const std::string& remark : input.remarks) out += "remark: " + clean_text(remark) + "\n";
   return out;
 }

@@ -45,6 +45,33 @@ std::size_t reversal_of(const Trace& t, std::size_t axis, std::size_t reach) {
   return at;
 }
 
+/// The longest way along the path in which an axis has travelled the window of the quadrant glitch after its last reversal [m]; 0: none.
+double longest_window(const Trace& t, std::size_t axes) {
+  double longest = 0.0;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    std::size_t k = reversal_of(t, axis, 0);
+    if (k == 0) continue;
+    const double from = t[k].reference[axis];
+    double way = 0.0;
+    while (k + 1 < t.size() && std::abs(t[k].reference[axis] - from) <= sim::kGlitchTravel) {
+      way += norm(t[k + 1].reference - t[k].reference);
+      ++k;
+    }
+    longest = std::max(longest, way);
+  }
+  return longest;
+}
+
+/// How far a close-up reaches behind a reversal [m], so that the window of the quadrant glitch ends inside it: on a circle of 20 mm
+/// 2.45 mm behind the reversal.
+double close_up_behind(const TravelBlock& block, std::size_t axes) {
+  constexpr double kLeast = 2e-3;
+  constexpr double kRoom = 1.15;
+  double window = 0.0;
+  for (const sim::CompareRow* r : block.rows) window = std::max(window, longest_window(r->trace, axes));
+  return std::max(kLeast, kRoom * window);
+}
+
 /// The controller with the largest model: Gaussian model and observer if present, else the last one.
 const sim::CompareRow* richest(const TravelBlock& block) {
   for (const sim::CompareRow* r : block.rows) {
@@ -61,15 +88,57 @@ std::string glitch_travel_of(const std::string& axis) {
 
 }  // namespace
 
-/// The plane curve of a travel, or null.
-const path::Curve* plane_curve(const sim::Travel& travel) { return std::get_if<path::Curve>(&travel.path); }
+std::optional<PlanePath> plane_path(const sim::Travel& travel) {
+  PlanePath out;
+  const auto take = [&](const auto& path) {
+    out.at = [path](double phi) { return path::derivatives<1>(path, phi); };
+    out.period = path.period();
+  };
+  if (const auto* curve = std::get_if<path::Curve>(&travel.path)) {
+    take(*curve);
+    out.size = curve->size;
+    out.circle = curve->shape == path::Shape::kCircle;
+    return out;
+  }
+  const auto* sum = std::get_if<path::Fourier<2>>(&travel.path);
+  if (sum == nullptr) return {};
+  take(*sum);
+  out.middle = Vec2{{sum->axis[0].offset, sum->axis[1].offset}};
+  out.circle = is_circle(*sum);
+  constexpr int kPlaces = 240;
+  Vec2 low = out.at(0.0)[0];
+  Vec2 high = low;
+  for (int i = 1; i < kPlaces; ++i) {
+    const Vec2 q = out.at(out.period * i / kPlaces)[0];
+    for (std::size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], q[k]);
+      high[k] = std::max(high[k], q[k]);
+    }
+  }
+  out.size = 0.5 * std::max(high[0] - low[0], high[1] - low[1]);
+  return out;
+}
+
+/// A curve about the path with its errors [m] magnified, by φ in degrees [mm].
+void add_magnified(Series& s, const PlanePath& path, const std::vector<double>& angle,
+                   const std::vector<double>& error, double magnification) {
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    const auto q = path.at(angle[i] / kDegrees);
+    const double scale = magnification * error[i] / norm(q[1]);
+    s.x.push_back((q[0][0] - scale * q[1][1]) * kMilli);
+    s.y.push_back((q[0][1] + scale * q[1][0]) * kMilli);
+  }
+  if (s.x.empty()) return;
+  s.x.push_back(s.x.front());
+  s.y.push_back(s.y.front());
+}
 
 /// The path with magnified errors, for the controllers that share a scale.
-Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const path::Curve& curve) {
+Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const PlanePath& path) {
   constexpr double kRoom = 0.6;  // share of the path's size that the largest error may take
   constexpr double kMostMagnification = 1e5;
   const double worst = group.largest > 0.0 ? group.largest : 1e-6;
-  const double magnification = round_down(std::min(kRoom * curve.size / worst, kMostMagnification));
+  const double magnification = round_down(std::min(kRoom * path.size / worst, kMostMagnification));
   const double ring = round_down(0.4 * worst);
 
   Series line{.color = "#9aa0a6", .width = 1.0, .scale = ScaleLine::kRing};
@@ -79,7 +148,7 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
   Vec2 low{{1e9, 1e9}};
   Vec2 high{{-1e9, -1e9}};
   for (int i = 0; i <= kPoints; ++i) {
-    const auto q = path::derivatives<1>(curve, curve.period() * i / kPoints);
+    const auto q = path.at(path.period * i / kPoints);
     const double stretch = norm(q[1]);
     const Vec2 normal{{-q[1][1] / stretch, q[1][0] / stretch}};
     line.x.push_back(q[0][0] * kMilli);
@@ -96,6 +165,7 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
   }
   const double half = 0.5 * std::max(high[0] - low[0], high[1] - low[1]);
   const Vec2 middle = 0.5 * (low + high);
+  const Vec2 at = kMilli * path.middle;
 
   Magnified m;
   for (const sim::CompareRow* r : group.rows) {
@@ -107,21 +177,10 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
     Series s = line_of(block, r);
     s.label.clear();
     s.width = 1.5;
-    for (std::size_t i = 0; i < angle.size(); ++i) {
-      const auto q = path::derivatives<1>(curve, angle[i] / kDegrees);
-      const double stretch = norm(q[1]);
-      const double scale = magnification * error[i] / stretch;
-      s.x.push_back((q[0][0] - scale * q[1][1]) * kMilli);
-      s.y.push_back((q[0][1] + scale * q[1][0]) * kMilli);
-    }
-    if (!s.x.empty()) {
-      s.x.push_back(s.x.front());
-      s.y.push_back(s.y.front());
-    }
+    add_magnified(s, path, angle, error, magnification);
     Plot p;
     p.title = full_name(*r);
-    if (curve.shape == path::Shape::kCircle)
-      p.ring = Ring{middle[0], middle[1], curve.size * kMilli, kMilli / magnification};
+    if (path.circle) p.ring = Ring{middle[0], middle[1], path.size * kMilli, kMilli / magnification};
     p.description = fmt::format("Contour of {} at {}, error magnified {} times", full_name(*r), block.text,
                                 magnification);
     p.axes = false;
@@ -132,9 +191,11 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
     p.x_range = Range{middle[0] - half, middle[0] + half};
     p.y_range = Range{middle[1] - 1.12 * half, middle[1] + half};
     p.notes = {{middle[0], middle[1] - 1.06 * half, fmt::format("error × {:.0f}", magnification), kInk}};
-    if (curve.shape == path::Shape::kCircle) {
-      p.notes.push_back({0.0, 0.09 * half, "max " + micrometres(r->mean.max_contour_error) + " µm", kInk});
-      p.notes.push_back({0.0, -0.09 * half, "RMS " + micrometres(r->mean.rms) + " µm", kInk});
+    if (path.circle) {
+      p.ring = Ring{middle[0], middle[1], path.size * kMilli, kMilli / magnification};
+      p.notes.push_back(
+          {at[0], at[1] + 0.09 * half, "max " + micrometres(r->mean.max_contour_error) + " µm", kInk});
+      p.notes.push_back({at[0], at[1] - 0.09 * half, "RMS " + micrometres(r->mean.rms) + " µm", kInk});
     }
     p.series = {rings[0], rings[1], line, std::move(s)};
     m.plots.push_back(std::move(p));
@@ -155,10 +216,9 @@ double speed_of(const sim::Travel& travel) {
 
 /// Errors where an axis, or several together, reverse; for the controllers of each scale.
 ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& result) {
-  constexpr double kBefore = 0.4e-3;
-  constexpr double kAfter = 2e-3;
-  const auto reach =
-      static_cast<std::size_t>(std::ceil(kAfter / speed_of(*block.travel) / result.period)) + 1;
+  const double after = close_up_behind(block, result.axes.size());
+  const double before = 0.2 * after;
+  const auto reach = static_cast<std::size_t>(std::ceil(after / speed_of(*block.travel) / result.period)) + 1;
   const std::vector<ScaleGroup> groups = scale_groups(block.rows);
   ScaledPlots all;
   std::vector<double> limits;
@@ -172,7 +232,7 @@ ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& r
       p.y_label = error_name(result) + " [µm]";
       p.width = 560;
       p.height = 360;
-      p.x_range = Range{-kBefore * kMilli, kAfter * kMilli};
+      p.x_range = Range{-before * kMilli, after * kMilli};
       std::string who = result.axes[axis];
       bool drawn = false;
       for (const sim::CompareRow* r : group.rows) {
@@ -196,26 +256,25 @@ ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& r
         std::vector<double> way(t.size(), kNaN);
         way[at] = 0.0;
         std::size_t from = at;
-        while (from > 1 && way[from] > -kBefore) {
+        while (from > 1 && way[from] > -before) {
           way[from - 1] = way[from] - step(from);
           --from;
         }
-        double window = kNaN;
+        double ends = kNaN;
         std::size_t k = at;
-        for (; k + 1 < t.size() && way[k] < kAfter; ++k) {
+        for (; k + 1 < t.size() && way[k] < after; ++k) {
           const double travel = std::abs(t[k].reference[axis] - t[at].reference[axis]);
-          if (std::isnan(window) && travel > sim::kGlitchTravel) window = way[k];
+          if (std::isnan(ends) && travel > sim::kGlitchTravel) ends = way[k];
           way[k + 1] = way[k] + step(k + 1);
         }
         for (std::size_t i = from; i <= k; ++i) {
           s.x.push_back(way[i] * kMilli);
           s.y.push_back(t[i].contour_error * kMicro);
-          if (way[i] <= kAfter) limit = std::fmax(limit, std::abs(s.y.back()));
+          if (way[i] <= after) limit = std::fmax(limit, std::abs(s.y.back()));
         }
         if (p.markers.empty()) {
           p.markers.push_back({0.0, who});
-          if (std::isfinite(window))
-            p.markers.push_back({window * kMilli, glitch_travel_of(result.axes[axis])});
+          if (std::isfinite(ends)) p.markers.push_back({ends * kMilli, glitch_travel_of(result.axes[axis])});
         }
         p.series.push_back(std::move(s));
       }
@@ -263,7 +322,7 @@ std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput
       p.title = fmt::format("Axis {}, {} at {}", result.axes[axis],
                             rows.size() > 1 ? name_of(*row) : full_name(*row), block.text);
       p.x_label = angle_label(travel);
-      p.y_label = "force [N]";
+      p.y_label = evidence != nullptr && evidence->rotary ? "torque [N m]" : "force [N]";
       const double from = first_angle(travel) * shown_scale(travel);
       p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
       if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / (rows.size() > 1 ? 6.0 : 12.0);

@@ -22,24 +22,14 @@ namespace {
 
 std::vector<std::string> all_warnings(const CompareReportInput& input) {
   std::vector<std::string> all = input.warnings;
-  // Text that several axes share is written once.
-  std::vector<std::pair<std::string, std::vector<std::string>>> said;
+  std::vector<ModelOfAxis> models;
   for (std::size_t i = 0; i < input.axes.size(); ++i) {
     const std::string axis = i < input.result.axes.size() ? input.result.axes[i] : std::to_string(i + 1);
-    for (const auto& [kind, r] : input.axes[i].models) {
-      for (const std::string& w : r.warnings) {
-        const auto at = std::find_if(said.begin(), said.end(), [&](const auto& s) { return s.first == w; });
-        const std::string of = fmt::format("axis {}, {} model", axis, r.model);
-        if (at == said.end()) {
-          said.push_back({w, {of}});
-        } else {
-          at->second.push_back(of);
-        }
-      }
-    }
+    for (const auto& model : input.axes[i].models) models.push_back({axis, &model.second});
   }
-  for (const auto& [w, of] : said) {
-    all.push_back(of.size() == 1 ? of.front() + ": " + w : fmt::format("{} ({})", w, joined(of, "; ")));
+  for (std::string& w : identification_warnings(models)) {
+    // The caller may have them already.
+    if (std::find(all.begin(), all.end(), w) == all.end()) all.push_back(std::move(w));
   }
   for (std::string& w : status_warnings(input.result)) all.push_back(std::move(w));
   return all;
@@ -49,6 +39,7 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
   FrictionMap map;
   map.axis = axis;
   map.speed = speed;
+  map.rotary = e.rotary;
   map.fit = e.find("gaussian");
   if (map.fit == nullptr) map.fit = e.find("eccentric");
   if (map.fit == nullptr) map.fit = e.find("whole");
@@ -124,7 +115,8 @@ void identification(Page& page, const CompareReportInput& input) {
       std::string about = fmt::format("Axis {}: {} model by {}, {} rows", input.result.axes[i], result.model,
                                       ident::name_of(result.method), result.rows);
       if (std::isfinite(result.held_out_rms)) {
-        about += fmt::format(", {} N RMS on motion that was not fitted", significant(result.held_out_rms, 3));
+        about += fmt::format(", {} {} RMS on motion that was not fitted", significant(result.held_out_rms, 3),
+                             units_of(result).force);
       }
       page.details(about, [&] {
         page.table(parameter_table(result));
@@ -198,13 +190,13 @@ void bars_of_figures(Page& page, const CompareReportInput& input, const std::vec
 void magnified_contours(Page& page, const std::vector<TravelBlock>& blocks) {
   bool plane = false;
   for (const TravelBlock& b : blocks) {
-    const path::Curve* curve = plane_curve(*b.travel);
-    if (curve == nullptr) continue;
+    const std::optional<PlanePath> path = plane_path(*b.travel);
+    if (!path) continue;
     if (!plane) page.section("Contour, error magnified");
     plane = true;
     page.subsection(b.text);
     for (const ScaleGroup& group : scale_groups(b.rows)) {
-      const Magnified m = contour_plots(b, group, *curve);
+      const Magnified m = contour_plots(b, group, *path);
       page.figures(m.plots, 3, m.caption);
     }
   }
@@ -283,7 +275,10 @@ void forces(Page& page, const CompareReportInput& input, const std::vector<Trave
       page.figures(
           force_plots(b, input), static_cast<int>(force_rows(b).size()),
           std::string("Last scored lap of the first trial. m·r̈: mass times acceleration of the reference.") +
-              (truth ? " Where controller and true friction differ, a contour error follows." : ""));
+              (truth
+                   ? " The difference accelerates the axis beside its reference. It is small under every controller, because feedback "
+                     "supplies what a model of friction lacks; the error that this needs is in the figures above."
+                   : ""));
     }
   }
 }

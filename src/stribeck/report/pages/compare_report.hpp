@@ -26,6 +26,7 @@ struct AxisEvidence {
   /// What was identified here, by kind of model: "conventional", "gaussian", "eccentric"; empty for printed parameters.
   std::vector<std::pair<std::string, ident::Result>> models = {};
   std::optional<friction::Model> truth = {};  ///< of a virtual machine only
+  bool rotary = false;                        ///< the axis turns: forces are torques
 
   [[nodiscard]] const ident::Result* find(std::string_view kind) const {
     for (const auto& [name, result] : models) {

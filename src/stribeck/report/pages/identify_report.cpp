@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <optional>
+#include <stribeck/ident/bristle/told_break_away.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/html.hpp>
@@ -47,10 +48,10 @@ std::string answer(const ident::Result& r, std::string_view axis) {
                         units.force, significant(term.period * units.per_position, 4), units.position,
                         turns ? " and reverses with the direction" : "");
   }
-  const ident::Parameter* settles = known("break_away_distance");
-  if (std::isfinite(r.break_away_distance) && (settles == nullptr || settles->identifiable)) {
-    text += fmt::format(" After a reversal friction settles over {} {} of travel.",
-                        significant(r.break_away_distance * units.per_fine, 2), units.fine);
+  if (const double way = ident::told_break_away(r); std::isfinite(way)) {
+    text += fmt::format(
+        " Friction breaks away after about {0} {1} (its level over the first stiffness), and after a reversal it settles over several times that.",
+        significant(way * units.per_fine, 2), units.fine);
   }
   if (text.empty())
     return fmt::format("{}: {}, from {}.", axis.empty() ? "The axis" : fmt::format("Axis {}", axis),

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <stribeck/ident/bristle/bristle_fit.hpp>
+#include <stribeck/report/json.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/test_result.hpp>
@@ -43,6 +46,15 @@ TEST(IdentifyReport, SaysInPlainWordsWhatWasDetermined) {
   EXPECT_THAT(headline(r), HasSubstr("cogging"));
   r.set_steady(ident::SteadyModel::kConventional);
   EXPECT_EQ(headline(r), "conventional model by position-map");
+}
+
+TEST(IdentifyReport, StatesNoBreakAwayDistanceThatTheLogDoesNotTell) {
+  ident::Result r = test::whole_fit();
+  EXPECT_THAT(identify_report({"x", {r}, "log.csv", "", ""}), HasSubstr("breaks away after about 12 µm"));
+  EXPECT_EQ(to_json(r, "x")["break_away_um"], 12.0);
+  r.cannot_tell = {ident::bristle::kNotDeterminable + std::string("sample faster")};
+  EXPECT_THAT(identify_report({"x", {r}, "log.csv", "", ""}), Not(HasSubstr("breaks away")));
+  EXPECT_TRUE(to_json(r, "x")["break_away_um"].is_null());
 }
 
 TEST(IdentifyReport, FirstScreenHasNumbersAndPointsOfTheCurveAreFolded) {

@@ -365,7 +365,7 @@ std::vector<Plot> before_and_after(const TuneReportInput& input) {
   return plots;
 }
 
-/// The loops with the gains that each controller had (dashed) and with the tuned ones.
+/// The loops with the gains that each controller had and with the tuned ones.
 std::vector<LoopCurve> loops_of(const sim::TuneResult& result) {
   std::vector<LoopCurve> curves;
   for (std::size_t i = 0; i < result.controllers.size(); ++i) {
@@ -384,7 +384,7 @@ void add_loops(Page& page, const sim::TuneResult& r) {
   if (loops.empty()) return;
   page.figures(
       loop_plots(loops), 2,
-      "The loop L of the axis that comes nearest to instability, dashed with the own gains. Gain: the higher at low frequencies, the "
+      "The loop L of the axis that comes nearest to instability, with the own and the tuned gains as the legend names them. Gain: the higher at low frequencies, the "
       "smaller the error; it crosses 0 dB at the bandwidth. Phase: its distance from −180° there is the phase margin. Nyquist plane: a "
       "good loop stays outside the circle about −1. Sensitivity: below 0 dB the loop reduces what disturbs the axis, above it "
       "amplifies it; a peak of more than 6 dB is a loop that rings. Friction of the axis is not in these curves.");

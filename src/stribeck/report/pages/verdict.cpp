@@ -174,12 +174,15 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
   }
   const double glitch = best->mean.quadrant_glitch;
   if (std::isfinite(glitch)) {
-    const bool at_quadrant = glitch > 0.98 * best->mean.max_contour_error;
-    text += fmt::format(
-        " What remains at the {} is {} within the first {:g}\u00A0mm after an axis reverses{}.",
-        result.axes.size() == 1 ? "reversals" : "quadrants", with_micrometres(glitch),
-        1e3 * sim::kGlitchTravel,
-        at_quadrant ? ", and that is the largest error of all" : "; the largest error lies elsewhere");
+    const double largest = best->mean.max_contour_error;
+    constexpr double kHardlyMore = 0.98;
+    text +=
+        fmt::format(" What remains at the {} is {} within the first {:g}\u00A0mm after an axis reverses{}.",
+                    result.axes.size() == 1 ? "reversals" : "quadrants", with_micrometres(glitch),
+                    1e3 * sim::kGlitchTravel,
+                    micrometres(glitch) == micrometres(largest) ? ", and that is the largest error of all"
+                    : glitch > kHardlyMore * largest            ? "; the largest error is hardly more"
+                                                                : "; the largest error lies elsewhere");
   }
   return text;
 }

@@ -52,6 +52,18 @@ TEST(Verdict, SetsTheDefaultAgainstTheLastOfTheThesis) {
       "leaves 8.00\u00A0µm and 4.00\u00A0µm RMS.");
 }
 
+// 414.19 beside a maximum of 416.68 was called the largest error of all.
+TEST(Verdict, TheErrorAtAQuadrantIsTheLargestOnlyWhereItIs) {
+  sim::CompareResult result = test::two_controllers();
+  const auto said = [&](double glitch) {
+    result.rows[1].mean.quadrant_glitch = glitch * result.rows[1].mean.max_contour_error;
+    return verdict(rows_of(result, 0), "3 mm/s", result);
+  };
+  EXPECT_THAT(said(1.0), HasSubstr("and that is the largest error of all"));
+  EXPECT_THAT(said(0.99), HasSubstr("; the largest error is hardly more"));
+  EXPECT_THAT(said(0.5), HasSubstr("; the largest error lies elsewhere"));
+}
+
 TEST(Verdict, SaysOnlyWhatTheJsonHolds) {
   const sim::CompareResult result = beyond();
   const std::string words = verdict(rows_of(result, 0), "3 mm/s", result);

@@ -8,6 +8,7 @@
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
 #include <stribeck/report/plot/force_plot.hpp>
+#include <stribeck/report/plot/time_axis.hpp>
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -28,12 +29,13 @@ Series over_time(std::string label, const VerifiedPart& part, const std::vector<
   s.label = std::move(label);
   s.color = std::string(color);
   s.width = width;
+  const double origin = time_axis(part.record.t).origin;
   for (std::size_t k = first; k < last; ++k) {
     if (k > first && std::binary_search(starts.begin(), starts.end(), k)) {
-      s.x.push_back(part.record.t[k]);
+      s.x.push_back(part.record.t[k] - origin);
       s.y.push_back(kNaN);
     }
-    s.x.push_back(part.record.t[k]);
+    s.x.push_back(part.record.t[k] - origin);
     s.y.push_back(column[k] * scale);
   }
   return s;
@@ -45,10 +47,10 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return d;
 }
 
-Plot time_plot(std::string title, std::string y_label, int width, int height) {
+Plot time_plot(const VerifiedPart& part, std::string title, std::string y_label, int width, int height) {
   Plot p;
   p.title = std::move(title);
-  p.x_label = "time [s]";
+  p.x_label = time_axis(part.record.t).label;
   p.y_label = std::move(y_label);
   p.width = width;
   p.height = height;
@@ -82,8 +84,8 @@ std::vector<Plot> velocity_plots(const VerifiedPart& part) {
   std::vector<Plot> plots;
   for (std::size_t i = 0; i < part.models.size(); ++i) {
     const VerifiedModel& m = part.models[i];
-    Plot p = time_plot(m.name + ": velocity under the measured force", "velocity [" + units.velocity + "]",
-                       920, 270);
+    Plot p = time_plot(part, m.name + ": velocity under the measured force",
+                       "velocity [" + units.velocity + "]", 920, 270);
     if (most > 0.0) {
       const double border = 1.15 * most * units.per_velocity;
       p.y_range = Range{-border, border};
@@ -110,19 +112,19 @@ struct Window {
 
 std::vector<Window> reversal_windows(const VerifiedPart& part) {
   if (part.models.empty()) return {};
-  const std::vector<std::size_t>& starts = part.models.front().open.starts;
+  const std::vector<std::size_t>& turns = part.models.front().open.reversals;
   const std::size_t n = part.record.x.size();
-  if (starts.size() < 2) return {};
-  std::vector<std::size_t> lengths;
-  for (std::size_t i = 1; i < starts.size(); ++i) lengths.push_back(starts[i] - starts[i - 1]);
+  if (turns.empty()) return {};
+  std::vector<std::size_t> lengths{turns.front()};
+  for (std::size_t i = 1; i < turns.size(); ++i) lengths.push_back(turns[i] - turns[i - 1]);
   std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2),
                    lengths.end());
   const std::size_t half = std::max<std::size_t>(10, lengths[lengths.size() / 2] / 14);
-  const std::size_t shown = std::min(kShownReversals, starts.size() - 1);
+  const std::size_t shown = std::min(kShownReversals, turns.size());
   std::vector<Window> windows;
   for (std::size_t i = 0; i < shown; ++i) {
     // Taken from the middle of equal shares, so that they are not all at the beginning or at the end.
-    const std::size_t at = starts[1 + (2 * i + 1) * (starts.size() - 1) / (2 * shown)];
+    const std::size_t at = turns[(2 * i + 1) * turns.size() / (2 * shown)];
     windows.push_back({at > half ? at - half : 0, at, std::min(n, at + half)});
   }
   return windows;
@@ -132,9 +134,10 @@ std::vector<Plot> reversal_plots(const VerifiedPart& part, bool force) {
   const ShownUnits units = units_of(part);
   std::vector<Plot> plots;
   for (const Window& w : reversal_windows(part)) {
-    Plot p = time_plot(fmt::format("Reversal at {} s", significant(part.record.t[w.at], 4)),
+    const double at = part.record.t[w.at] - time_axis(part.record.t).origin;
+    Plot p = time_plot(part, fmt::format("Reversal at {} s", significant(at, 4)),
                        force ? "force [" + units.force + "]" : "velocity [" + units.velocity + "]", 560, 300);
-    p.markers.push_back({part.record.t[w.at], ""});
+    p.markers.push_back({at, ""});
     p.series.push_back(over_time("measured", part,
                                  force ? part.record.f : part.models.front().open.measured_velocity,
                                  force ? 1.0 : units.per_velocity, kMeasuredColor, 4.0, w.first, w.last));
@@ -153,10 +156,10 @@ std::vector<Plot> reversal_plots(const VerifiedPart& part, bool force) {
 std::vector<Plot> open_error_plots(const VerifiedPart& part) {
   const ShownUnits units = units_of(part);
   const std::size_t n = part.record.x.size();
-  Plot velocity = time_plot("Error of the velocity, started anew at each reversal",
+  Plot velocity = time_plot(part, "Error of the velocity, started anew at each reversal",
                             "predicted less measured [" + units.velocity + "]", 560, 300);
-  Plot position =
-      time_plot("Drift from the first row on", "predicted less measured [" + units.position + "]", 560, 300);
+  Plot position = time_plot(part, "Drift from the first row on",
+                            "predicted less measured [" + units.position + "]", 560, 300);
   for (std::size_t i = 0; i < part.models.size(); ++i) {
     const VerifiedModel& m = part.models[i];
     velocity.series.push_back(over_time(m.name, part,
@@ -171,9 +174,10 @@ std::vector<Plot> open_error_plots(const VerifiedPart& part) {
 std::vector<Plot> closed_error_plots(const VerifiedPart& part) {
   const ShownUnits units = units_of(part);
   const std::size_t n = part.record.x.size();
-  Plot force = time_plot("Error of the force", "predicted less measured [" + units.force + "]", 560, 300);
+  Plot force =
+      time_plot(part, "Error of the force", "predicted less measured [" + units.force + "]", 560, 300);
   Plot position =
-      time_plot("Error of the position", "predicted less measured [" + units.fine + "]", 560, 300);
+      time_plot(part, "Error of the position", "predicted less measured [" + units.fine + "]", 560, 300);
   for (std::size_t i = 0; i < part.models.size(); ++i) {
     const VerifiedModel& m = part.models[i];
     if (!m.closed) continue;

@@ -66,6 +66,8 @@ struct Verdict {
   double error =
       0.0;  ///< share of the force, with shift and phases of each record; without it of the velocity
   bool moving = false;  ///< of the force where the axis moves: rests would make most of the error
+  bool settled =
+      false;  ///< and where friction has settled after a reversal: the model has no pre-sliding, and is no more than usable
   bool of_force = true;
   double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
   ident::replay::FrictionChange

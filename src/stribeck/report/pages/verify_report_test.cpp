@@ -72,6 +72,7 @@ VerifyReportInput two_models(bool closed) {
     m.force.row = {10, 20};
     m.drift.end = i == 1 ? 5e-5 : test::kNaN;
     m.open.starts = {0, 52, 157, 262, 366};
+    m.open.reversals = {52, 157, 262, 366};
     if (closed) {
       r.force_rms = 2.5 * i;
       r.force_relative = 0.035 * i;
@@ -86,6 +87,17 @@ VerifyReportInput two_models(bool closed) {
   in.command = "stribeck verify a.toml b.toml log.csv";
   in.warnings = {"a warning"};
   return in;
+}
+
+// The drive started the model anew 7 times, but the axis turned four times.
+TEST(VerifyReport, VibrationAtRestIsNoReversal) {
+  VerifyReportInput in = two_models(false);
+  for (VerifiedModel& m : in.parts[0].models) m.open.starts = {0, 52, 157, 262, 300, 310, 320, 366};
+  EXPECT_THAT(text_table(in), HasSubstr("400 rows, 4 reversals"));
+  const std::string page = verify_report(in);
+  EXPECT_THAT(page, HasSubstr("started anew 7 times, at 4 reversals and where it starts or rests,"));
+  EXPECT_THAT(page, HasSubstr("Reversal at 0.52"));
+  EXPECT_THAT(page, Not(HasSubstr("Reversal at 3.1")));
 }
 
 TEST(VerifyReport, TablesForATerminal) {
@@ -111,6 +123,22 @@ TEST(VerifyReport, TablesForATerminal) {
   EXPECT_EQ(text_table(deep), text_table(two_models(false)));
   deep.parts[0].models[1].name = "elsewhere/b.toml";
   EXPECT_THAT(text_table(deep), HasSubstr("/a/very/long/way/a.toml"));
+}
+
+// Where friction builds up behind reversals, which the model does not know, the rest may be right: usable, and no more.
+TEST(VerifyReport, AModelWithoutPreSlidingIsAtMostUsable) {
+  VerifyReportInput in = two_models(false);
+  ident::replay::ForceError& e = in.parts[0].models[1].force;
+  e.moving = 100;
+  e.moving_relative = 0.03;
+  e.moving_rms = 0.1;
+  e.at_rest = 0.01;
+  e.unsettled = 0.05;
+  const Verdict v = verdicts(in)[1];
+  EXPECT_TRUE(v.moving);
+  EXPECT_TRUE(v.settled);
+  EXPECT_EQ(v.grade, Grade::kUsable);
+  EXPECT_THAT(text_table(in), HasSubstr("where friction has settled after a reversal"));
 }
 
 // Nobody knows the force of an axis that stands, so rests are not held against a model.

@@ -197,6 +197,18 @@ Table score_table(const VerifiedPart& part) {
   return t;
 }
 
+namespace {
+
+/// "at each of 7 reversals"; where the axis also turned within micrometres "17 times, at 7 reversals and where it starts or rests".
+std::string restarts_in_words(const ident::replay::OpenLoop& open) {
+  const std::size_t restarts = open.starts.size() - 1;
+  const std::size_t reversals = open.reversals.size();
+  if (restarts <= reversals) return fmt::format("at each of {} reversals", reversals);
+  return fmt::format("{} times, at {} reversals and where it starts or rests", restarts, reversals);
+}
+
+}  // namespace
+
 std::string summary(const VerifiedPart& part) {
   const VerifiedModel* open = nullptr;
   const VerifiedModel* closed = nullptr;
@@ -210,9 +222,8 @@ std::string summary(const VerifiedPart& part) {
   if (open == nullptr) return "No run in open loop is shown; the warnings say why.";
   const ShownUnits u = units_of(part);
   std::string text = fmt::format(
-      "Driven by the measured force and started anew at each of {} reversals, {} predicts the velocity to "
-      "{} % ({} {} RMS)",
-      open->open.starts.size() - 1, open->name, percent(open->open.restarted.velocity_relative),
+      "Driven by the measured force and started anew {}, {} predicts the velocity to {} % ({} {} RMS)",
+      restarts_in_words(open->open), open->name, percent(open->open.restarted.velocity_relative),
       significant(open->open.restarted.velocity_rms * u.per_velocity, 3), u.velocity);
   if (part.models.size() > 1) text += ", the best of " + std::to_string(part.models.size()) + " models";
   text += ".";
@@ -233,8 +244,7 @@ std::string text_table(const VerifyReportInput& given) {
     if (!out.empty()) out += '\n';
     out += fmt::format("{}{}{} rows", input.axis.empty() ? "" : "axis " + clean_text(input.axis) + ": ",
                        input.parts.size() > 1 ? part_name(input, i) + ", " : "", part.record.x.size());
-    if (!part.models.empty())
-      out += fmt::format(", {} reversals", part.models.front().open.starts.size() - 1);
+    if (!part.models.empty()) out += fmt::format(", {} reversals", part.models.front().open.reversals.size());
     out += '\n';
     std::vector<TextColumn> columns{{"model", "", {}, false}};
     for (const VerifiedModel& m : part.models) columns.front().entries.push_back(clean_text(m.name));

@@ -185,6 +185,11 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
     v.untold = in_motion > 0.0 ? untold / in_motion : 0.0;
     v.told_from = input.parts.front().models[i].told_from;
     v.grade = grade_of(v, input.limits);
+    v.settled =
+        v.moving && std::any_of(input.parts.begin(), input.parts.end(), [&](const VerifiedPart& p) {
+          return i < p.models.size() && p.models[i].force.of_rests() && p.models[i].force.unsettled > 0.0;
+        });
+    if (v.settled && v.grade == Grade::kGood) v.grade = Grade::kUsable;
     all.push_back(std::move(v));
   }
   return all;
@@ -196,6 +201,17 @@ bool usable(const VerifyReportInput& input) {
                      [](const Verdict& v) { return v.grade == Grade::kGood || v.grade == Grade::kUsable; });
 }
 
+namespace {
+
+/// Behind the error: where the model was judged.
+const char* where_judged(const Verdict& v) {
+  if (v.settled)
+    return " where friction has settled after a reversal; it has no pre-sliding, and is no more than usable";
+  return v.moving ? " where the axis moves" : "";
+}
+
+}  // namespace
+
 std::string sentence(const Verdict& v, const VerifyReportInput& input) {
   const GradeLimits& limits = input.limits;
   if (!std::isfinite(v.error))
@@ -205,19 +221,19 @@ std::string sentence(const Verdict& v, const VerifyReportInput& input) {
     return fmt::format(
         "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but in {:.0f} % of the motion the axis is slower "
         "than {}, from which on the file tells friction: verify with a faster motion, or identify slow jogs.",
-        v.name, in_percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
-        short_number(limits.usable), 100.0 * v.untold, shown.speed(v.told_from));
+        v.name, in_percent(v.error), where_judged(v), short_number(limits.good), short_number(limits.usable),
+        100.0 * v.untold, shown.speed(v.told_from));
   }
   if (v.grade == Grade::kUndecided) {
     return fmt::format(
         "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",
-        v.name, in_percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
-        short_number(limits.usable), in_percent(v.of_log));
+        v.name, in_percent(v.error), where_judged(v), short_number(limits.good), short_number(limits.usable),
+        in_percent(v.of_log));
   }
   return fmt::format("{} is {}: error of the {} {} %{} (good up to {} %, usable up to {} %){}.", v.name,
                      name_of(v.grade), v.of_force ? "force" : "velocity", in_percent(v.error),
-                     v.moving ? " where the axis moves" : "", short_number(limits.good),
-                     short_number(limits.usable), friction_in_words(v, input));
+                     where_judged(v), short_number(limits.good), short_number(limits.usable),
+                     friction_in_words(v, input));
 }
 
 }  // namespace stribeck::report

@@ -218,11 +218,23 @@ double first_angle(const sim::Travel& travel) {
 
 double shown_scale(const sim::Travel& travel) { return travel.part() != nullptr ? kMilli : kDegrees; }
 
+bool is_circle(const path::Fourier<2>& path) {
+  const auto& [x, y] = path.axis;
+  if (x.terms.size() != 1 || y.terms.size() != 1) return false;
+  const path::Harmonic& a = x.terms[0];
+  const path::Harmonic& b = y.terms[0];
+  // cos φ and cos(φ − 90°): φ is the angle.
+  return a.amplitude == b.amplitude && a.order == 1.0 && b.order == 1.0 && a.phase == 0.0 &&
+         std::abs(b.phase + 0.5 * kPi) < 1e-12;
+}
+
 std::string angle_label(const sim::Travel& travel) {
   if (travel.part() != nullptr) return "place φ on the path [mm]";
   const auto* curve = std::get_if<path::Curve>(&travel.path);
-  return curve != nullptr && curve->shape == path::Shape::kCircle ? "angle φ of the reference [°]"
-                                                                  : "parameter φ of the path [°]";
+  const auto* sum = std::get_if<path::Fourier<2>>(&travel.path);
+  const bool circle =
+      curve != nullptr ? curve->shape == path::Shape::kCircle : sum != nullptr && is_circle(*sum);
+  return circle ? "angle φ of the reference [°]" : "parameter φ of the path [°]";
 }
 
 Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& travel) {

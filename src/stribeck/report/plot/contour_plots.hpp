@@ -69,6 +69,9 @@ struct Lap {
 };
 Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& travel);
 
+/// Whether a sum of harmonics is a circle whose parameter is the angle.
+bool is_circle(const path::Fourier<2>& path);
+
 /// Parameter of one lap, and where the drawings begin [rad].
 double lap_of(const sim::Travel& travel);
 double first_angle(const sim::Travel& travel);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/text.hpp>
@@ -235,18 +236,38 @@ class Script {
          at(x + 30, y));
   }
 
+  /// Digits with which the values of a column stay apart as finely as the drawing needs: seven of their range, not of their distance
+  /// from zero.
+  static int digits_of(const std::vector<double>& column) {
+    constexpr int kEnough = 7;
+    constexpr int kAll = 17;
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const double v : column) {
+      if (!std::isfinite(v)) continue;
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+    const double ratio = std::max(std::abs(low), std::abs(high)) / (high - low);
+    if (!std::isfinite(ratio) || ratio <= 10.0) return kEnough;
+    return std::min(kAll, kEnough + static_cast<int>(std::ceil(std::log10(ratio))));
+  }
+
   /// Rows of columns; a row with a number that is not finite becomes one empty line.
   std::string data(const std::vector<const std::vector<double>*>& columns) {
     const std::string name = fmt::format("$data{}", blocks_++);
     line("{} << EOD", name);
     std::size_t rows = columns[0]->size();
     for (const auto* c : columns) rows = std::min(rows, c->size());
+    std::vector<int> digits;
+    for (const auto* c : columns) digits.push_back(digits_of(*c));
     bool gap = true;
     for (std::size_t i = 0; i < rows; ++i) {
       const bool finite =
           std::all_of(columns.begin(), columns.end(), [&](auto* c) { return std::isfinite((*c)[i]); });
       if (finite) {
-        for (const auto* c : columns) fmt::format_to(std::back_inserter(text_), "{:.7g} ", (*c)[i]);
+        for (std::size_t k = 0; k < columns.size(); ++k)
+          fmt::format_to(std::back_inserter(text_), "{:.{}g} ", (*columns[k])[i], digits[k]);
       }
       if (finite || !gap) text_ += '\n';
       gap = !finite;

@@ -8,7 +8,9 @@
 #include <limits>
 #include <set>
 #include <stribeck/io/error.hpp>
+#include <stribeck/report/plot/force_plot.hpp>
 #include <stribeck/report/plot/plot.hpp>
+#include <stribeck/report/plot/time_axis.hpp>
 #include <stribeck/report/test_result.hpp>
 
 namespace stribeck::report::plot_test {
@@ -165,6 +167,23 @@ TEST(Plot, LessDetailMakesLessData) {
   const std::size_t all = gnuplot_script({p}).size();
   p.detail = 0.5;
   EXPECT_NEAR(static_cast<double>(gnuplot_script({p}).size()) / static_cast<double>(all), 0.5, 0.05);
+}
+
+TEST(Plot, ValuesFarFromZeroStayApart) {
+  Plot p = line_plot();
+  p.series[0].x = {50000.125, 50000.25, 50000.375};
+  EXPECT_THAT(gnuplot_script({p}), HasSubstr("\n50000.125 0 \n50000.25 1 \n50000.375 0 \n"));
+}
+
+TEST(Plot, StampsOfAClockAreCountedFromTheFirstRow) {
+  const ForceOverTime force{"log.csv", {1764414000.0, 1764414000.5, 1764414001.0}, {1, 2, 3}, {1, 2, 2}};
+  const Plot p = force_plot(force, "", "N", "#0072b2");
+  EXPECT_EQ(p.x_label, "time since the first row, 1764414000 s [s]");
+  for (const Series& s : p.series) EXPECT_THAT(s.x, testing::ElementsAre(0.0, 0.5, 1.0)) << s.label;
+  // A log that is part of a longer one keeps its times.
+  EXPECT_EQ(time_axis({40.0, 41.0}).label, "time [s]");
+  EXPECT_EQ(time_axis({40.0, kNaN, 41.0}).origin, 0.0);
+  EXPECT_EQ(time_axis({}).origin, 0.0);
 }
 
 TEST(Plot, GapsStayGaps) {

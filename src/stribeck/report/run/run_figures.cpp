@@ -11,9 +11,9 @@ std::vector<TraceFigure> run_figures(const sim::CompareResult& result) {
   block.text = block.travel->pace_in_words();
   block.rows = rows_of(result, 0);
   if (block.rows.empty() || !block.rows.front()->refused.empty()) return figures;
-  if (const path::Curve* curve = plane_curve(*block.travel)) {
+  if (const std::optional<PlanePath> path = plane_path(*block.travel)) {
     for (const ScaleGroup& group : scale_groups(block.rows)) {
-      Magnified m = contour_plots(block, group, *curve);
+      Magnified m = contour_plots(block, group, *path);
       for (Plot& p : m.plots) p.width = 560, p.height = 584;
       figures.push_back({"Contour, error magnified", std::move(m.plots), 1, std::move(m.caption)});
     }

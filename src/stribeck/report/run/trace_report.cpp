@@ -1,6 +1,7 @@
 #include <array>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/plot/plot.hpp>
+#include <stribeck/report/plot/time_axis.hpp>
 #include <stribeck/report/run/trace_report.hpp>
 #include <stribeck/report/text.hpp>
 
@@ -23,6 +24,9 @@ Page trace_report_page(const TraceReportInput& input) {
     page.figures(f.plots, f.columns, f.caption);
   }
   page.section("Columns over time");
+  const TimeAxis axis = time_axis(input.time);
+  std::vector<double> time = input.time;
+  for (double& t : time) t -= axis.origin;
   std::vector<Plot> plots;
   for (const TraceColumn& c : input.columns) {
     const std::string label = c.quantity + (c.quantity.empty() ? "" : " ") + "[" + printed_unit(c.unit) + "]";
@@ -32,13 +36,13 @@ Page trace_report_page(const TraceReportInput& input) {
     }
     if (plot == nullptr) {
       plot = &plots.emplace_back();
-      plot->x_label = "time [s]";
+      plot->x_label = axis.label;
       plot->y_label = label;
     }
     plot->description += (plot->description.empty() ? "" : ", ") + c.name;
     Series series;
     series.label = c.name;
-    series.x = input.time;
+    series.x = time;
     series.y = c.values;
     series.color = kColors[plot->series.size() % kColors.size()];
     plot->series.push_back(std::move(series));

@@ -274,7 +274,7 @@ Page study_report_page(const StudyReportInput& input) {
   std::vector<std::string> warnings = lost_in_words(r);
   warnings.insert(warnings.end(), r.warnings.begin(), r.warnings.end());
   page.warnings(warnings);
-  page.made({input.command, input.version, {}});
+  page.made({input.command, input.version, input.inputs});
   return page;
 }
 

@@ -75,6 +75,7 @@ struct StudyReportInput {
   StudyResult result;
   std::string command;
   std::string version;
+  std::vector<InputFile> inputs = {};  ///< study file and machine
 };
 
 std::string study_report(const StudyReportInput& input);

@@ -112,7 +112,9 @@ TEST(StudyReport, AGridHasNoConfidence) {
 }
 
 TEST(StudyReport, PageHasBothPictures) {
-  const std::string html = study_report({result(), "stribeck study s.toml -o out", "1"});
+  const std::string html =
+      study_report({result(), "stribeck study s.toml -o out", "1", {{"s.toml", "0123abcd"}}});
+  EXPECT_THAT(html, HasSubstr("0123abcd"));  // which file it was
   EXPECT_THAT(html, HasSubstr("Study: table &lt;1&gt;"));
   EXPECT_THAT(html, HasSubstr("share of the machines whose max is below a value"));
   EXPECT_THAT(html, HasSubstr("share of the variance that comes from each factor"));
