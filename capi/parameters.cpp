@@ -6,6 +6,13 @@
 namespace stribeck::capi {
 namespace {
 
+// Four walks over declared parameters (core/walk_fields.hpp), each by the kind of the value:
+//   list_…     every parameter that there may be, also of what is absent or not chosen
+//   values_…   the parameters that have a value now
+//   assign_…   sets one parameter by its name
+//   check_…    whether every value is within its range, and each group is sound
+// All but assign_… build the dotted name on their way down. `const auto mark = name.with(part)` adds a part for as long as `mark` lives.
+
 /// Builds a dotted name.
 class Name {
  public:
@@ -109,6 +116,7 @@ void list_below(Name& name, const Value& v, const FieldInfo& field, bool absent,
   }
 }
 
+/// Reports every parameter below `v` that has a value, with its word where it is a choice.
 void values_below(Name& name, const Value& v, const Heard& heard) {
   switch (v.kind()) {
     case Kind::kSwitch:
@@ -195,11 +203,12 @@ stribeck_result assign_scalar(Target target, const Quantity& quantity, double x)
   return STRIBECK_OK;
 }
 
+/// A member of something optional, which is made where it is absent. NaN takes away what may be left out: by the name of such a member that
+/// member, by any other name the whole.
 stribeck_result assign_optional(Target target, const Quantity& quantity, std::string_view rest,
                                 double x) noexcept {
   const bool was_absent = target.size() == 0;
   if (was_absent) target.resize(1);
-  // NaN takes a member that may be left out away, and by the name of any other one the whole.
   if (std::isnan(x)) {
     const stribeck_result below =
         rest.empty() ? stribeck_result{STRIBECK_OUT_OF_RANGE} : assign(target[0], quantity, rest, x);

@@ -170,7 +170,7 @@ double stribeck_plant_get(const stribeck_plant* p, stribeck_plant_signal signal)
     case STRIBECK_PLANT_FORCE_LIMIT:
       return p->force_gain * p->range;
     case STRIBECK_PLANT_FORCE:
-      return p->force_gain * p->axis->voltage();
+      return p->axis->force();
   }
   return capi::kAbsent;
 }

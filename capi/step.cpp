@@ -84,7 +84,9 @@ template <std::size_t N>
   if (c.watch.fault == control::Fault::kNone) {
     c.drives.command(c.commands, law, r, measured, force);
   } else {
-    c.drives.stop(c.commands, r, measured, force, c.supervisor.limits(0).stop_periods,
+    std::array<int, N> periods;
+    for (std::size_t i = 0; i < N; ++i) periods[i] = c.supervisor.limits(i).stop_periods;
+    c.drives.stop(c.commands, r, measured, force, periods,
                   control::Supervisor<N>::reaction_to(c.watch) == control::Reaction::kCut);
   }
 }
@@ -181,7 +183,7 @@ void supervision(const Controller<N>& c, stribeck_supervision& out) {
   out.fault = static_cast<std::int32_t>(c.watch.fault);
   out.axis = static_cast<std::uint32_t>(c.watch.axis);
   out.brake = Supervisor<N>::brake_requested(c.watch) ? 1 : 0;
-  out.safe = Supervisor<N>::safe(c.watch) ? 1 : 0;
+  out.safe = Supervisor<N>::safe(c.watch) && c.drives.at_rest(c.commands) ? 1 : 0;
   out.late = c.watch.late;
   out.commands_lost = c.watch.commands_lost;
   for (std::size_t k = 0; k < control::kFaults; ++k) out.counts[k] = c.watch.counts[k];

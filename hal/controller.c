@@ -5,21 +5,23 @@
  *   loadrt stribeck_contour names=ct axes=3          one path:      ct.0.pos-cmd, …, function ct
  *
  * A drive that closes its own velocity or position loop (parameters drive-loop.*) gets `command`, in position units (per second), and
- * `offset`, a force beside it; `force-fb` takes the force that it reports. Otherwise it gets `force` or `voltage`. Without enable
- * `command` is no speed, or the encoder's position.
+ * `offset`, a force beside it; `force-fb` takes the force that it reports. Otherwise it gets `force` or `voltage`, and `command` is 0.
+ * Without enable `command` is no speed, or the encoder's position. `force`, `offset` and `force-fb` are in force-unit, `friction-ff` and
+ * `disturbance` in N.
  *
  * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h, and with supervision.checks = 2
- * those of the library, as 100 and their number (docs/guides/faults.md); these stop the axes by braking and hold the load until enable
- * falls. `brake` asks for the holding brakes. Of a contour controller every axis is enabled together, and a fault of one axis takes
- * all down. Law learning needs `phase`, the place in the lap; law
- * predictive sees the present point alone, and tells in `lag` by how much it is behind a command that asks for too much.
+ * those of the library, as 100 and their number (docs/guides/faults.md); these stop the axes by braking. After any fault the load is held
+ * until enable falls, and then for brake-time more. `brake` asks for the holding brakes whenever the axes are not controlled. With
+ * watch-lateness the library is told how long after the last one a cycle comes.
+ *
+ * Of a contour controller every axis is enabled together, and a fault of one axis takes all down. Law learning needs `phase`, the place in
+ * the lap; law predictive sees the present point alone, and tells in `lag` by how much it is behind a command that asks for too much.
  */
 #include "hal_parts.h"
 #include "supervisor.h"
 
 #include <stdlib.h>
 
-#define LONGEST_RAMP 1.0  /* [s] */
 #define LIBRARY_FAULT 100 /* on top of the library's own numbers */
 
 #ifdef STRIBECK_CONTOUR
@@ -41,134 +43,13 @@ MODULE_LICENSE("GPL"); /* of the module that is loaded: rtapi_app.h is GPL; the 
 static char* names[MAX_INSTANCES] = {0};
 RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the controllers");
 
-struct axis {
-  hal_float_t *pos_cmd, *vel_cmd, *acc_cmd, *pos_fb, *force_fb;
-  hal_float_t *force, *voltage, *command, *offset, *friction_ff, *disturbance, *pos_error;
-  hal_s32_t *fault, *bridged;
-  hal_bit_t* saturated;
-  hal_float_t ferror_limit, jump_limit, frozen_limit;
-  hal_float_t force_per_volt;
-};
-
-/* What of an instance has to be in HAL memory: nothing is in it that can be elsewhere. */
-struct shared {
-  hal_bit_t *enable, *faulted, *pending, *brake;
-  hal_float_t *phase, *lag;
-  hal_float_t position_unit, force_unit, ramp_time;
-  struct axis axis[AXES];
-};
-
-struct inner {
-  struct supervisor watch;
-  struct values values;
-  double resting; /* position [m] that a drive which takes positions was last given; NaN: none */
-};
-
-struct instance {
-  const char* name; /* in `names` */
-  struct shared* hal;
-  double position_used, force_used; /* units that are in use */
-  double period;
-  int was_enabled;
-  int good;    /* the controller is configured */
-  int stopped; /* fault of the library's supervision, and its axis */
-  uint32_t stopped_axis;
-  stribeck_controller* controller;
-  size_t size;
-  void* memory; /* of the controller, and what is in front of it for alignment */
-  struct inner inner[AXES];
-};
-
-static int component = -1;
-static struct parameters parameters;
-static int drive_mode = -1; /* number of drive_loop.mode among them; below 0: there is none */
-static struct instance* instances[MAX_INSTANCES];
-static int count;
-
-static void refused(const struct instance* s) {
-  say_problem(COMPONENT, s->name, stribeck_controller_problem(s->controller));
-}
-
-/* The component's own parameters, as far as they mean something; says which does not. Limits and ramp-time count at once. */
-static int check_own(const struct instance* s) {
-  const struct {
-    const char* name;
-    double value;
-    int good;
-  } whole[] = {
-      {"position-unit", s->hal->position_unit, positive(s->hal->position_unit)},
-      {"force-unit", s->hal->force_unit, positive(s->hal->force_unit)},
-      {"ramp-time", s->hal->ramp_time, s->hal->ramp_time >= 0.0 && s->hal->ramp_time <= LONGEST_RAMP}};
-  for (size_t i = 0; i < sizeof whole / sizeof whole[0]; ++i) {
-    if (whole[i].good) continue;
-    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected above 0 (a time: 0 to 1 s)\n",
-                    s->name, whole[i].name, whole[i].value);
-    return 0;
-  }
-  for (int a = 0; a < axes; ++a) {
-    const struct axis* x = &s->hal->axis[a];
-    const struct {
-      const char* name;
-      double value;
-      int good;
-    } own[] = {
-        {"ferror-limit", x->ferror_limit, x->ferror_limit > 0.0},
-        {"jump-limit", x->jump_limit, x->jump_limit > 0.0},
-        {"frozen-limit", x->frozen_limit, x->frozen_limit > 0.0},
-        {"force-per-volt", x->force_per_volt, x->force_per_volt >= 0.0 && isfinite(x->force_per_volt)}};
-    for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
-      if (own[i].good) continue;
-      rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: axis %d: %s: got %g, expected a number above 0\n",
-                      s->name, a, own[i].name, own[i].value);
-      return 0;
-    }
-  }
-  return 1;
-}
-
-/* Units that mean something are taken over; what the encoder said in other ones is forgotten. */
-static void take_units(struct instance* s) {
-  if (positive(s->hal->force_unit)) s->force_used = s->hal->force_unit;
-  if (!positive(s->hal->position_unit) || same(s->hal->position_unit, s->position_used)) return;
-  s->position_used = s->hal->position_unit;
-  for (int a = 0; a < axes; ++a) s->inner[a].watch.seen = 0;
-}
-
-/* A controller from the HAL parameters; says what is wrong with them. */
-static int configure(struct instance* s, double period) {
-  s->period = period;
-  s->controller = stribeck_controller_init(s->controller, s->size, (uint32_t)axes);
-  for (int a = 0; a < axes; ++a) {
-    struct values* v = &s->inner[a].values;
-    values_taken(&parameters, v);
-    for (uint32_t i = 0; i < parameters.count; ++i) {
-      if (same(v->used[i], parameters.initial[i])) continue;
-      if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
-          STRIBECK_OK) {
-        refused(s);
-        return 0;
-      }
-    }
-  }
-  if (stribeck_controller_configure(s->controller, period) == STRIBECK_OK) return 1;
-  refused(s);
-  return 0;
-}
-
-static int must_configure(const struct instance* s, double period) {
-  if (!s->good || !same(period, s->period)) return 1;
-  if (!same(s->hal->position_unit, s->position_used) || !same(s->hal->force_unit, s->force_used)) return 1;
-  for (int a = 0; a < axes; ++a) {
-    if (values_changed(&parameters, &s->inner[a].values)) return 1;
-  }
-  return 0;
-}
+#include "instance.h"
 
 /* What HAL says in one period, in SI. */
 struct inputs {
   double period;
-  double unit; /* position unit that is in use */
-  double ramp_time;
+  double passed; /* since the last cycle, in whole periods unless it came late [s] */
+  double unit;   /* position unit that is in use */
   int enable;
   int finite; /* all of `axis` */
   stribeck_axis_input axis[AXES];
@@ -176,11 +57,22 @@ struct inputs {
   struct limits limits[AXES];
 };
 
+/* Value of a parameter of axis a that is in use. */
+static double used(const struct instance* s, int a, int number) {
+  return number < 0 ? NAN : s->inner[a].values.used[number];
+}
+
+/* The force at which an axis ends that is not controlled any more: its load, within the limit. A force whose sign may be wrong holds
+ * nothing. */
+static double holding(const struct instance* s, int a) {
+  const double load = used(s, a, load_at), limit = fabs(used(s, a, limit_at));
+  if (!s->good || s->stopped == STRIBECK_FAULT_WRONG_SIGN || !isfinite(load)) return 0.0;
+  return load > limit ? limit : load < -limit ? -limit : load;
+}
+
 static void read_inputs(const struct instance* s, int enable, double period, struct inputs* in) {
   in->period = period;
   in->unit = s->position_used;
-  /* What is no time means at once: a force must not stay. */
-  in->ramp_time = s->hal->ramp_time <= LONGEST_RAMP ? s->hal->ramp_time : 0.0;
   in->enable = enable;
   in->finite = 1;
   for (int a = 0; a < axes; ++a) {
@@ -195,24 +87,28 @@ static void read_inputs(const struct instance* s, int enable, double period, str
     l->ferror = x->ferror_limit * in->unit;
     l->jump = x->jump_limit * in->unit;
     l->frozen = x->frozen_limit * in->unit;
-    l->ramp_time = in->ramp_time;
+    /* What is no time means at once: a force must not stay. */
+    l->ramp_time = s->hal->ramp_time <= LONGEST_TIME ? s->hal->ramp_time : 0.0;
+    l->brake_time = s->hal->brake_time <= LONGEST_TIME ? s->hal->brake_time : 0.0;
+    l->hold = holding(s, a);
     l->force = INFINITY;
+    l->bridges = same(used(s, a, checks_at), 2.0);
     if (!isfinite(i->position + i->velocity + i->acceleration + i->measured)) in->finite = 0;
   }
 }
 
 static void fail_axis(struct instance* s, int a, enum fault f, const struct inputs* in) {
-  supervisor_fail(&s->inner[a].watch, f, in->period, in->ramp_time);
+  supervisor_fail(&s->inner[a].watch, f, &in->limits[a], in->period);
 }
 
 static enum fault judge_axis(struct instance* s, int a, const struct inputs* in) {
   const stribeck_axis_input* i = &in->axis[a];
   return supervisor_judge(&s->inner[a].watch, &in->limits[a], i->position, i->velocity, i->acceleration,
-                          i->measured, in->period);
+                          i->measured, in->passed);
 }
 
 /* Enable has risen: clears the faults, begins every axis where it is, and takes over parameters that have changed. */
-static void begin(struct instance* s, const struct inputs* in) {
+static void begin(struct instance* s, struct inputs* in) {
   s->stopped = 0;
   for (int a = 0; a < axes; ++a) {
     struct supervisor* w = &s->inner[a].watch;
@@ -230,7 +126,10 @@ static void begin(struct instance* s, const struct inputs* in) {
   } else {
     stribeck_controller_reset(s->controller);
   }
-  if (!s->good) fail_axis(s, 0, FAULT_PARAMETERS, in);
+  if (s->good) return;
+  /* Nothing has been controlled: no force begins now. */
+  for (int a = 0; a < axes; ++a) in->limits[a].hold = 0.0;
+  fail_axis(s, 0, FAULT_PARAMETERS, in);
 }
 
 /* Judges the inputs of axes that run; one fault, or enable that has fallen, takes every axis down. Answers whether the controller
@@ -260,6 +159,7 @@ static void step_controller(struct instance* s, struct inputs* in, double* wante
   for (int a = 0; a < axes; ++a) supervisor_lead(&s->inner[a].watch, &in->axis[a]);
   stribeck_controller_set_phase(s->controller, *s->hal->phase);
   stribeck_controller_set_measured_force(s->controller, in->force);
+  stribeck_controller_set_elapsed(s->controller, in->passed);
   if (stribeck_controller_step(s->controller, in->axis, wanted) != STRIBECK_FAULT) return;
   stribeck_supervision why = {0};
   stribeck_controller_supervision(s->controller, &why, sizeof why);
@@ -285,29 +185,34 @@ static int may_follow(const struct inner* own, const struct inputs* in, int a) {
          w->fault != FAULT_FEEDBACK_FROZEN && !(fabs(measured - own->resting) > jump);
 }
 
-/* Whether the drive takes a position. While it is off what HAL says now counts: the controller may not have been configured yet. */
-static int takes_position(const struct inner* own) {
-  if (drive_mode < 0) return 0;
+/* What the drive takes: 0 a velocity, 1 a position, NaN a force. While it is off what HAL says now counts: the controller may not have
+ * been configured yet. */
+static double mode_of(const struct inner* own) {
+  if (drive_mode < 0) return NAN;
   const struct values* v = &own->values;
-  return same(own->watch.mode == MODE_OFF ? v->value[drive_mode] : v->used[drive_mode], 1.0);
+  return own->watch.mode == MODE_OFF ? v->value[drive_mode] : v->used[drive_mode];
+}
+
+/* Whether nothing but the offset carries the load: the drive takes one, and has no integral that would. */
+static int carries_by_offset(const struct instance* s, int a) {
+  return same(used(s, a, force_offset), 1.0) && !isfinite(used(s, a, integral_time));
 }
 
 /* `now` is null when the controller does not run: a drive that takes a position is then told where the axis is, or is to be. */
 static void write_command(struct instance* s, int a, const struct inputs* in,
                           const stribeck_axis_signals* now) {
   struct inner* own = &s->inner[a];
+  const double mode = mode_of(own);
   double command = 0.0;
   if (now != NULL) {
-    command = now->command;
+    command = isfinite(mode) ? now->command : 0.0;
     own->resting = command;
-  } else if (takes_position(own)) {
+  } else if (same(mode, 1.0)) {
     if (may_follow(own, in, a)) own->resting = in->axis[a].measured;
     const double wanted = isfinite(in->axis[a].position) ? in->axis[a].position : 0.0;
     command = isfinite(own->resting) ? own->resting : wanted;
   }
-  const struct axis* x = &s->hal->axis[a];
-  *x->command = command / in->unit;
-  *x->offset = now != NULL ? now->offset : 0.0;
+  *s->hal->axis[a].command = command / in->unit;
 }
 
 static void write_axis(const struct instance* s, int a, const struct inputs* in, double force,
@@ -331,9 +236,12 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
     struct supervisor* w = &s->inner[a].watch;
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
-    write_command(s, a, in, runs && w->mode == MODE_RUNNING ? &now : NULL);
-    const double force = supervisor_force(w, &in->limits[a], wanted[a]);
-    supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
+    const int controlled = runs && w->mode == MODE_RUNNING;
+    write_command(s, a, in, controlled ? &now : NULL);
+    const double force = supervisor_force(w, &in->limits[a], wanted[a], in->enable, in->period);
+    const double offset = controlled ? now.offset : carries_by_offset(s, a) ? force : 0.0;
+    *s->hal->axis[a].offset = offset / s->force_used;
+    supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period, in->passed);
     write_axis(s, a, in, force, &now);
     /* Without the controller the last count stays. */
     if (runs) *s->hal->axis[a].bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
@@ -342,8 +250,18 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
   }
   *s->hal->lag = lag;
   *s->hal->faulted = faulted != 0;
-  *s->hal->brake = faulted != 0;
+  *s->hal->brake = faulted != 0 || !runs;
   *s->hal->pending = runs && must_configure(s, in->period);
+}
+
+/* Time since the last cycle as the clock says; what is less than half a period late is one period. Without watch-lateness it is one
+ * period: virtual time passes in periods. */
+static double time_passed(struct instance* s, double period) {
+  const long long now = rtapi_get_time();
+  const double passed = 1e-9 * (double)(now - s->last_call);
+  const int known = s->last_call != 0 && s->hal->watch_lateness;
+  s->last_call = now;
+  return known && passed > 1.5 * period ? passed : period;
 }
 
 static void update(void* arg, long period_ns) {
@@ -354,6 +272,7 @@ static void update(void* arg, long period_ns) {
   if (rises) take_units(s);
   struct inputs in;
   read_inputs(s, enable, 1e-9 * (double)period_ns, &in);
+  in.passed = time_passed(s, in.period);
   if (rises) begin(s, &in);
   const int runs = supervise(s, &in);
   double wanted[AXES] = {0};
@@ -435,10 +354,14 @@ static int make(const char* name) {
   s->hal->position_unit = s->position_used = 1e-3;
   s->hal->force_unit = s->force_used = 1.0;
   s->hal->ramp_time = 0.02;
+  s->hal->brake_time = 0.2;
   if ((r = hal_param_float_newf(HAL_RW, &s->hal->position_unit, component, "%s.position-unit", name)) < 0)
     return r;
   if ((r = hal_param_float_newf(HAL_RW, &s->hal->force_unit, component, "%s.force-unit", name)) < 0) return r;
   if ((r = hal_param_float_newf(HAL_RW, &s->hal->ramp_time, component, "%s.ramp-time", name)) < 0) return r;
+  if ((r = hal_param_float_newf(HAL_RW, &s->hal->brake_time, component, "%s.brake-time", name)) < 0) return r;
+  if ((r = hal_param_bit_newf(HAL_RW, &s->hal->watch_lateness, component, "%s.watch-lateness", name)) < 0)
+    return r;
   for (int a = 0; a < axes; ++a) {
     char prefix[HAL_NAME_LEN + 1];
 #ifdef STRIBECK_CONTOUR
@@ -474,7 +397,18 @@ static int load(void) {
   }
   find_parameters(&parameters, stribeck_controller_parameter);
   for (uint32_t i = 0; i < parameters.count; ++i) {
-    if (strcmp(parameters.name[i], "drive_loop.mode") == 0) drive_mode = (int)i;
+    const struct {
+      const char* name;
+      int* number;
+    } needed[] = {{"drive_loop.mode", &drive_mode},
+                  {"drive_loop.force_offset", &force_offset},
+                  {"drive_loop.integral_time", &integral_time},
+                  {"load", &load_at},
+                  {"force_limit", &limit_at},
+                  {"supervision.checks", &checks_at}};
+    for (size_t k = 0; k < sizeof needed / sizeof needed[0]; ++k) {
+      if (strcmp(parameters.name[i], needed[k].name) == 0) *needed[k].number = (int)i;
+    }
   }
   const int n = count_names(COMPONENT, names, &parameters, LEAST_AXES > 1 ? 2 : 0); /* ct.0 */
   if (n < 0) return -EINVAL;

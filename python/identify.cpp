@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <python/parts.hpp>
+#include <stribeck/ident/bristle/told_break_away.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
@@ -138,7 +139,7 @@ void add_numbers(FoundClass& c) {
       c, "velocity_range", [](const R& r) { return pair(r.velocity_range[0], r.velocity_range[1]); },
       "(lowest, highest): velocities of the data [m/s].");
   property(
-      c, "break_away_distance", [](const R& r) { return r.break_away_distance; },
+      c, "break_away_distance", [](const R& r) { return ident::told_break_away(r); },
       "float: travel until the axis slides [m]; NaN: not determined.");
   property(
       c, "held_out_rms", [](const R& r) { return r.held_out_rms; },

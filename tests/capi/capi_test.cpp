@@ -316,12 +316,15 @@ TEST(CInterface, OneAxisIsTheCppController) {
 
 TEST(CInterface, HoldsTheForceWhenAnInputIsNotFinite) {
   Handle h(2);
-  for (std::uint32_t i = 0; i < 2; ++i) {
-    h.set("mass", 900.0, i).set("friction.conventional.alpha0", 20.0, i).set("force_limit", 250.0, i);
-    h.choose("feedforward", "steady", i);
+  Handle sound(2);  // the same without bad inputs
+  for (Handle* each : {&h, &sound}) {
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      each->set("mass", 900.0, i).set("friction.conventional.alpha0", 20.0, i).set("force_limit", 250.0, i);
+      each->choose("feedforward", "steady", i);
+    }
+    each->set("omega", 60.0, 0).set("omega", 30.0, 1);
+    each->configure();
   }
-  h.set("omega", 60.0, 0).set("omega", 30.0, 1);
-  h.configure();
   stribeck_axis_input in[2];
   double force[2]{};
   for (int k = 0; k < 50; ++k) {
@@ -341,11 +344,16 @@ TEST(CInterface, HoldsTheForceWhenAnInputIsNotFinite) {
       EXPECT_EQ(force[1], before[1]);
     }
   }
-  // It goes on as if nothing had been.
-  in[0] = motion(50);
-  in[1] = motion(750);
+  // The motion went on over those eight periods, and the law goes on as if nothing had been.
+  double expected[2]{};
+  for (int k = 0; k <= 58; ++k) {
+    in[0] = motion(k);
+    in[1] = motion(k + 700);
+    ASSERT_EQ(stribeck_controller_step(sound.c, in, expected), STRIBECK_OK);
+  }
   ASSERT_EQ(stribeck_controller_step(h.c, in, force), STRIBECK_OK);
-  EXPECT_NEAR(force[0], before[0], 60.0);
+  EXPECT_NEAR(force[0], expected[0], 60.0);
+  EXPECT_NEAR(force[1], expected[1], 60.0);
   // A jump is answered within the limit.
   in[0].measured = 1.0;
   ASSERT_EQ(stribeck_controller_step(h.c, in, force), STRIBECK_OK);
@@ -1158,6 +1166,45 @@ TEST(CDrives, NanTakesAwayWhatMayBeLeftOutAndNoMore) {
   EXPECT_NEAR(command_with_nan("drive_loop.gain"), 30.0, 1e-3);
 }
 
+TEST(CDrives, IsSafeWhenTheSetPointsOfAllDrivesRest) {
+  Handle h(2);
+  for (std::uint32_t axis = 0; axis < 2; ++axis) {
+    const auto set = [&](const char* name, double x) {
+      ASSERT_EQ(stribeck_controller_set(h.c, axis, name, x), STRIBECK_OK) << name;
+    };
+    set("mass", 2.0);
+    set("friction.conventional.alpha0", 3.0);
+    set("drive_loop.mode", 0.0);
+    set("drive_loop.gain", 2e3);
+    set("drive_loop.integral_time", 0.01);
+  }
+  ASSERT_EQ(stribeck_controller_set(h.c, 1, "supervision.stop_time", 0.2), STRIBECK_OK);
+  h.configure();
+  std::array<double, 2> force{};
+  const auto step = [&](double measured) {
+    const std::array<stribeck_axis_input, 2> in{{{0.0, 0.1, 0.0, measured}, {0.0, 0.1, 0.0, measured}}};
+    return stribeck_controller_step(h.c, in.data(), force.data());
+  };
+  const auto command = [&](std::uint32_t axis) {
+    stribeck_axis_signals now{};
+    EXPECT_EQ(stribeck_controller_signals(h.c, axis, &now, sizeof now), STRIBECK_OK);
+    return now.command;
+  };
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(step(0.0), STRIBECK_OK);
+  while (step(kNan) != STRIBECK_FAULT) {
+  }
+  int to_rest = 1;
+  for (; to_rest < 1000 && supervision_of(h.c).safe == 0; ++to_rest) {
+    if (to_rest == 50) {
+      EXPECT_EQ(command(0), 0.0);
+      EXPECT_GT(command(1), 0.05) << "its own stop time, 200 ms";
+    }
+    step(kNan);
+  }
+  EXPECT_EQ(to_rest, 200);
+  EXPECT_EQ(command(1), 0.0);
+}
+
 TEST(CDrives, APositionLoopWithoutItsGainIsRefused) {
   Handle h(1);
   h.set("mass", 50.0).set("friction.conventional.alpha0", 30.0);
@@ -1229,6 +1276,34 @@ TEST(CPlant, IsTheCppPlant) {
   EXPECT_EQ(stribeck_plant_step(p, kNan, 0.0), STRIBECK_NOT_FINITE);
   EXPECT_TRUE(std::isfinite(stribeck_plant_get(p, STRIBECK_PLANT_POSITION)));
   EXPECT_DOUBLE_EQ(stribeck_plant_get(p, STRIBECK_PLANT_FORCE_LIMIT), 250.0);
+  stribeck_plant_destroy(p);
+}
+
+TEST(CPlant, AVoltageDriveTellsTheForceThatActs) {
+  stribeck_plant* p = nullptr;
+  ASSERT_EQ(stribeck_plant_create(&p), STRIBECK_OK);
+  const auto set = [&](const char* name, double x) {
+    EXPECT_EQ(stribeck_plant_set(p, name, x), STRIBECK_OK) << name;
+  };
+  set("mass", 10.0);
+  set("drive", 1.0);
+  set("voltage.resistance", 2.0);
+  set("voltage.inductance", 1e-3);
+  set("voltage.torque_constant", 0.0382);
+  set("voltage.back_emf", 0.0382);
+  set("voltage.lead", 2e-3);
+  set("converter.range", 24.0);
+  set("converter.bits", 24.0);
+  set("encoder.resolution", 1e-8);
+  set("friction.conventional.alpha0", 20.0);
+  ASSERT_EQ(stribeck_plant_choose(p, "friction.dynamics", "lugre"), STRIBECK_OK);
+  set("friction.lugre.sigma0", 1e6);
+  ASSERT_EQ(stribeck_plant_configure(p, kPeriod, 0.5), STRIBECK_OK) << stribeck_plant_problem(p);
+  ASSERT_EQ(stribeck_plant_start(p, 0.0, 1, 8), STRIBECK_OK);
+  for (int k = 0; k < 3000; ++k) ASSERT_EQ(stribeck_plant_step(p, 6.0, 0.0), STRIBECK_OK);
+  // At constant speed it is friction; at standstill 6 V would give 360 N.
+  EXPECT_GT(stribeck_plant_get(p, STRIBECK_PLANT_VELOCITY), 0.04);
+  EXPECT_NEAR(stribeck_plant_get(p, STRIBECK_PLANT_FORCE), 20.0, 0.01);
   stribeck_plant_destroy(p);
 }
 

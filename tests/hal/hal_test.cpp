@@ -49,6 +49,7 @@ struct Hal {
   std::map<std::string, std::pair<void (*)(void*, long), void*>> functions;
   std::string messages;
   int components = 0;
+  long long clock = 1;  ///< [ns]
 
   void* allocate(long size) {
     memory.emplace_back(new char[static_cast<std::size_t>(size) + 16]());
@@ -109,6 +110,11 @@ int hal_param_s32_newf(int, volatile int* value, int, const char* format, ...) {
   STRIBECK_NAME;
   return hal->integers.emplace(name, value).second ? 0 : -22;
 }
+int hal_param_bit_newf(int, volatile bool* value, int, const char* format, ...) {
+  STRIBECK_NAME;
+  return hal->bits.emplace(name, value).second ? 0 : -22;
+}
+long long rtapi_get_time() { return hal->clock; }
 int hal_export_funct(const char* name, void (*f)(void*, long), void* argument, int, int, int) {
   return hal->functions.emplace(name, std::pair(f, argument)).second ? 0 : -22;
 }
@@ -225,6 +231,7 @@ class Loop : public Components {
       ASSERT_TRUE(std::isfinite(value(pin))) << pin;
     value("pl.x.force") = force;
     call("pl.x");
+    hal_.clock += kPeriodNs;
   }
   void run(int periods, bool moving = true) {
     for (int k = 0; k < periods && !HasFatalFailure(); ++k) period(moving);
@@ -454,6 +461,183 @@ TEST_F(Loop, WithTheLibrarysSupervisionAWildSampleIsBridgedAndAFrozenEncoderBrak
   run(200, false);
   EXPECT_EQ(fault("ax.x"), 0);
   EXPECT_FALSE(*hal_.bits.at("ax.x.brake"));
+}
+
+/// A weight of 150 N on the axis of Loop, which the controller knows.
+class Weight : public Loop {
+ protected:
+  void SetUp() override {
+    Loop::SetUp();
+    value("ax.x.load") = 150.0;
+    value("pl.x.load") = 150.0;
+    value("ax.x.supervision.checks") = 2.0;
+    value("ax.x.supervision.speed-limit") = 16e-3;
+    value("ax.x.supervision.acceleration-limit") = 0.1;
+    enable(true);
+    run(400, false);
+    ASSERT_EQ(fault("ax.x"), 0) << hal_.messages;
+    ASSERT_FALSE(*hal_.bits.at("ax.x.brake"));
+    rest_ = value("pl.x.pos");
+  }
+  [[nodiscard]] double sag() { return rest_ - value("pl.x.pos"); }
+
+  double rest_ = 0.0;
+};
+
+// The component took one sample that is NaN for a fault and let the axis go: 20 mm in 100 ms, where the library bridges it.
+TEST_F(Weight, ASampleThatIsNanIsLeftToTheLibrary) {
+  added_ = kNan;
+  period(false);
+  added_ = 0.0;
+  run(200, false);
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_EQ(*hal_.integers.at("ax.x.bridged"), 1);
+  EXPECT_LT(std::abs(sag()), 5e-3);
+  // The same on the command.
+  const double t = t_;
+  t_ = kNan;
+  period(false);
+  t_ = t;
+  run(200, false);
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_LT(std::abs(sag()), 5e-3);
+}
+
+TEST_F(Weight, ALostEncoderIsTheLibrarysFaultAndTheLoadIsHeldUntilTheBrakeHasClosed) {
+  added_ = kNan;
+  run(11, false);
+  EXPECT_EQ(fault("ax.x"), 101);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.brake"));
+  run(100, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9);
+  // LinuxCNC answers `faulted` by taking enable away.
+  enable(false);
+  run(195, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9);
+  EXPECT_LT(std::abs(sag()), 0.05);
+  run(30, false);
+  EXPECT_EQ(value("ax.x.force"), 0.0);
+}
+
+TEST_F(Weight, AFaultOfTheComponentRampsToTheLoadAndHoldsIt) {
+  added_ = 1.0;  // beyond the jump limit
+  period(false);
+  EXPECT_EQ(fault("ax.x"), 3);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.brake"));
+  run(300, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9) << "while enable stays";
+  EXPECT_LT(std::abs(sag()), 0.05);
+  enable(false);
+  run(195, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9);
+  run(30, false);
+  EXPECT_EQ(value("ax.x.force"), 0.0);
+}
+
+TEST_F(Weight, DisabledItHoldsTheLoadForBrakeTime) {
+  value("ax.x.brake-time") = 0.05;
+  enable(false);
+  period(false);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.brake"));
+  run(45, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9);
+  EXPECT_LT(std::abs(sag()), 5e-3);
+  double last = 150.0;
+  for (int k = 0; k < 35; ++k) {
+    period(false);
+    EXPECT_LE(value("ax.x.force"), last);
+    EXPECT_GE(value("ax.x.force"), last - 150.0 / 20.0 - 1e-9) << "in the ramp's 20 ms";
+    last = value("ax.x.force");
+  }
+  EXPECT_EQ(last, 0.0);
+}
+
+TEST_F(Weight, WithoutTheLibrarysChecksNanIsTheComponentsFaultAndTheLoadIsHeldAsWell) {
+  enable(false);
+  run(300, false);
+  value("ax.x.supervision.checks") = 1.0;
+  t_ = std::asin(std::clamp<double>(value("pl.x.pos-fb") / 10.0, -1.0, 1.0));
+  enable(true);
+  run(300, false);
+  ASSERT_EQ(fault("ax.x"), 0) << hal_.messages;
+  added_ = kNan;
+  period(false);
+  EXPECT_EQ(fault("ax.x"), 1);
+  run(100, false);
+  EXPECT_NEAR(value("ax.x.force"), 150.0, 1e-9);
+}
+
+TEST_F(Weight, ParametersThatAreRefusedGiveNoForce) {
+  enable(false);
+  run(300, false);
+  value("ax.x.mass") = -1.0;
+  enable(true);
+  for (int k = 0; k < 50; ++k) {
+    period(false);
+    EXPECT_EQ(value("ax.x.force"), 0.0) << k;
+  }
+  EXPECT_EQ(fault("ax.x"), 6);
+}
+
+TEST_F(Loop, AMissedCycleIsNoMotionOfTwoPeriods) {
+  value("ax.x.observer") = 3.0;
+  value("ax.x.adaptive-gain") = 40.0;
+  *hal_.bits.at("ax.x.watch-lateness") = true;
+  enable(true);
+  run(700);
+  const double before = value("ax.x.force");
+  // A cycle in which nothing but the drive goes on.
+  t_ += 1e-3;
+  call("pl.x");
+  hal_.clock += kPeriodNs;
+  period();
+  EXPECT_NEAR(value("ax.x.force"), before, 30.0) << "m·v/T of a period more would be 300 N";
+  run(50);
+  EXPECT_EQ(fault("ax.x"), 0);
+}
+
+TEST_F(Loop, LateCyclesAreAFaultOfTheLibraryWhereTheyAreWatched) {
+  value("ax.x.supervision.checks") = 2.0;
+  enable(true);
+  run(700);
+  hal_.clock += 20 * kPeriodNs;
+  period();
+  EXPECT_EQ(fault("ax.x"), 0) << "virtual time passes in periods";
+  *hal_.bits.at("ax.x.watch-lateness") = true;
+  hal_.clock += 20 * kPeriodNs;
+  period();
+  EXPECT_EQ(fault("ax.x"), 110);
+}
+
+TEST_F(Loop, OffsetIsInForceUnitAndAForceDriveHasNoCommand) {
+  enable(true);
+  run(300);
+  EXPECT_EQ(value("ax.x.command"), 0.0);
+  enable(false);
+  run(30);
+  value("ax.x.drive-loop.mode") = 0.0;
+  value("ax.x.drive-loop.gain") = 1e5;
+  value("ax.x.drive-loop.force-offset") = 1.0;
+  double offset = 0.0;
+  for (const double unit : {1.0, 10.0}) {
+    value("ax.x.force-unit") = unit;
+    for (const char* pin : {"ax.x.pos-cmd", "ax.x.pos-fb", "ax.x.vel-cmd", "ax.x.acc-cmd"}) value(pin) = 0.0;
+    for (int k = 0; k < 100; ++k) call("ax.x");
+    t_ = 0.0;
+    enable(true);
+    for (int k = 0; k < 100; ++k) {
+      t_ += 1e-3;
+      for (const char* pin : {"ax.x.pos-cmd", "ax.x.pos-fb"}) value(pin) = 10.0 * std::sin(t_);
+      value("ax.x.vel-cmd") = 10.0 * std::cos(t_);
+      value("ax.x.acc-cmd") = -10.0 * std::sin(t_);
+      call("ax.x");
+    }
+    ASSERT_EQ(fault("ax.x"), 0) << hal_.messages;
+    if (unit == 1.0) offset = value("ax.x.offset");
+    EXPECT_NEAR(value("ax.x.offset"), offset / unit, 1e-9);
+    EXPECT_GT(std::abs(offset), 5.0);
+    enable(false);
+  }
 }
 
 TEST_F(Loop, RefusedParameters) {

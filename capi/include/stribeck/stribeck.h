@@ -154,8 +154,8 @@ uint32_t stribeck_controller_points(const stribeck_controller*) STRIBECK_NOEXCEP
 /* Learning: place in the lap for the steps to come, in the unit of learning.lap, counted on over the laps or begun anew in each.
  * NaN, and after reset: none, and nothing is learned or given; infinite counts as NaN and is answered with STRIBECK_NOT_FINITE. */
 stribeck_result stribeck_controller_set_phase(stribeck_controller*, double phase) STRIBECK_NOEXCEPT;
-/* For the next step: time since the one before, as the host measured it [s]; NaN: one period. A late step is counted, and the encoder may
- * have moved farther. */
+/* For the next step: time since the one before, as the host measured it [s]; NaN: one period. A late step is counted, and what the encoder
+ * has moved since is taken for the motion of that time. */
 stribeck_result stribeck_controller_set_elapsed(stribeck_controller*, double elapsed) STRIBECK_NOEXCEPT;
 /* For the next step: mean force of each axis over the past period, as drives with drive_loop.force_feedback report it [N]; NaN: none. */
 stribeck_result stribeck_controller_set_measured_force(stribeck_controller*,
@@ -209,7 +209,7 @@ typedef struct stribeck_supervision {
   int32_t fault;                    /* the first one since reset */
   uint32_t axis;                    /* where */
   int32_t brake;                    /* holding brakes should close */
-  int32_t safe;                     /* after a fault: the forces have reached their safe values */
+  int32_t safe;                     /* after a fault: forces are safe, set points of drives rest */
   uint32_t late;                    /* steps that were late, since configure */
   uint32_t commands_lost;           /* references that were no numbers, since configure */
   uint32_t counts[STRIBECK_FAULTS]; /* of each fault, since configure */
