@@ -23,10 +23,7 @@ constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would 
 /// Least level beside viscous friction, and the largest correction to reach it, both of the force at the top of the range.
 constexpr double kNoFriction = 1e-3;
 constexpr double kWithinNoise = 0.02;
-// Of the largest friction measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third of what
-// is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
-constexpr double kMostForce = 1.3;
-constexpr double kMostHeight = 1.5;
+constexpr double kMostHeight = 1.5;  ///< of a term, of the largest friction measured in the direction
 
 /// All blocks except one.
 Bins bins_without(const SideSums& side, std::size_t without, std::vector<char>* filled = nullptr) {

@@ -33,6 +33,10 @@
 
 namespace stribeck::ident::map {
 
+/// Friction at rest, of the largest one measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third
+/// of what is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
+constexpr double kMostForce = 1.3;
+
 /// Sums over the rows of one block of motion, by bin; f against the motion.
 struct BlockSums {
   std::vector<double> n, v, f, ff;

@@ -64,6 +64,20 @@ class Pooled {
     return sum;
   }
 
+  /// Whether the friction at rest, which no row shows, stays near the largest one at the speeds of the rows: of both directions
+  /// together, so that a load cancels.
+  [[nodiscard]] bool bounded(const map::StaticFit& map) const {
+    double at_rest = 0.0, seen = 0.0;
+    for (std::size_t s = 0; s < map::kSides; ++s) {
+      const int side = static_cast<int>(s);
+      double most = -std::numeric_limits<double>::infinity();
+      for (const Bin& bin : bins_[s]) most = std::max(most, map.force(side, bin.speed));
+      seen += most;
+      at_rest += map.force(side, 0.0);
+    }
+    return at_rest <= map::kMostForce * std::abs(seen);
+  }
+
   /// One step of Gauss–Newton with the parameters `fixed` of the map held: exact where only linear ones remain. Returns the
   /// largest relative change, or a negative number where the data do not determine it.
   double step(JointFit& joint, const std::vector<Index>& fixed) const;
@@ -166,7 +180,7 @@ void scan_widths(const Pooled& sums, const std::vector<Width>& widths, JointFit&
   const auto try_width = [&](const Width& w, double width) {
     JointFit trial = best;
     w.of(trial.map) = width;
-    if (sums.step(trial, fixed) < 0.0) return;
+    if (sums.step(trial, fixed) < 0.0 || !sums.bounded(trial.map)) return;
     const double loss = sums.loss(trial);
     if (loss < least) least = loss, best = std::move(trial);
   };
@@ -191,19 +205,19 @@ JointFit fit_jointly(const map::StaticFit& start, const LinearFit& fit, std::siz
     plain.good = true;
     if (moved < 1e-6) break;
   }
-  plain.good = plain.good && plain.map.plausible();
+  plain.good = plain.good && plain.map.plausible() && sums.bounded(plain.map);
   if (widths.empty()) return plain;
   scan_widths(sums, widths, scanned);
   double least = sums.loss(scanned);
   for (int i = 0; i < kSteps; ++i) {
     JointFit next = scanned;
     const double moved = sums.step(next, {});
-    if (moved < 0.0 || !(sums.loss(next) < least)) break;
+    if (moved < 0.0 || !(sums.loss(next) < least) || !sums.bounded(next.map)) break;
     least = sums.loss(next);
     scanned = std::move(next);
     if (moved < 1e-6) break;
   }
-  scanned.good = std::isfinite(least) && scanned.map.plausible();
+  scanned.good = std::isfinite(least) && scanned.map.plausible() && sums.bounded(scanned.map);
   if (!scanned.good) return plain;
   return plain.good && sums.loss(plain) < least ? plain : scanned;
 }

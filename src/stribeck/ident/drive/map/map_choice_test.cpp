@@ -96,6 +96,24 @@ TEST(MapChoice, LossOfABlockIsThatOfItsRows) {
   EXPECT_NEAR(loss_of(joint, fit.sums, 2), direct, 1e-6 * direct);
 }
 
+// Friction that rises steeply below the slowest rows: how far, no row shows.
+TEST(MapChoice, FrictionAtRestStaysNearTheLargestThatRowsShow) {
+  const test::SyntheticLog s = test::synthetic_log([](double x, double v, double a) {
+    const double friction = 40.0 + 900.0 * std::abs(v) + 4000.0 * std::exp(-std::abs(v) / 0.0008);
+    return 250.0 * a + (v > 0.0 ? friction : -friction) + 6.0 * std::sin(2.0 * kPi * x / kPeriod + 0.4);
+  });
+  const Rows rows = rows_of(s);
+  const LinearFit fit = second_pass(s, rows, screw_of(s));
+  map::StaticFit start = symmetric(rows);
+  start.family = map::StaticFit::Family::kSymmetricStribeck;
+  start.exponent = map::Exponent::kOne;
+  start.rise = 20.0;
+  const JointFit joint = fit_jointly(start, fit, fit.sums.blocks);
+  ASSERT_TRUE(joint.good);
+  const double slowest = std::min(rows.grid[0].low, rows.grid[1].low);
+  EXPECT_LE(joint.map.force(0, 0.0), 1.6 * joint.map.force(0, slowest));
+}
+
 // A block that is left out does not move the fit.
 TEST(MapChoice, ABlockLeftOutIsNotSeen) {
   const test::SyntheticLog s = with_screw(1.0);
