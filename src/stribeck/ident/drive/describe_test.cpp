@@ -40,6 +40,18 @@ struct Steps {
   Intervals found_intervals;
 };
 
+TEST(Describe, SaysWhereFrictionIsLowestAndHighest) {
+  PlaceShares along;
+  along.places = {friction::Place{0.1, 1.02}, friction::Place{0.25, 0.94}, friction::Place{0.4, 1.12}};
+  along.half = {0.01, 0.01, 0.01};
+  Result r;
+  Notes notes;
+  add_places(r, along, Shown(r), notes);
+  EXPECT_EQ(r.friction.places.size(), 3u);
+  ASSERT_EQ(notes.warnings.size(), 1u);
+  EXPECT_THAT(notes.warnings[0], HasSubstr("from -6 % at 250 mm to +12 % at 400 mm"));
+}
+
 TEST(Describe, GivesParametersCurveAndPoints) {
   const Steps steps;
   Notes notes;

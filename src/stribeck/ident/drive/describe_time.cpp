@@ -309,19 +309,21 @@ void add_places(Result& result, const PlaceShares& along, const Shown& shown, No
   if (along.places.empty() || result.position_unit != "m") return;
   result.friction.places = along.places;
   result.model += " + places";
-  double least = 1.0, most = 1.0;
+  std::size_t least = 0, most = 0;
   for (std::size_t k = 0; k < along.places.size(); ++k) {
     const double share = along.places[k].level;
-    least = std::min(least, share), most = std::max(most, share);
+    if (share < along.places[least].level) least = k;
+    if (share > along.places[most].level) most = k;
     const double half = along.half[k];
     result.parameters.push_back({"level_at_place_" + std::to_string(k + 1), share, "1", "1", share - half,
                                  share + half, half < share});
   }
+  const auto at = [&](std::size_t k) { return shown.length(along.places[k].position); };
   notes.warn(text(
-      "friction differs along the travel, from %+.3g %% to %+.3g %%: the model holds it at %zu places from %s to %s, which belong to the homing position of this log; beyond them, the nearest place counts",
-      100.0 * (least - 1.0), 100.0 * (most - 1.0), along.places.size(),
-      shown.length(along.places[0].position).c_str(),
-      shown.length(along.places[along.places.size() - 1].position).c_str()));
+      "friction differs along the travel, from %+.3g %% at %s to %+.3g %% at %s: the model holds it at %zu places from %s to %s, which belong "
+      "to the homing position of this log; beyond them, the nearest place counts",
+      100.0 * (along.places[least].level - 1.0), at(least).c_str(), 100.0 * (along.places[most].level - 1.0),
+      at(most).c_str(), along.places.size(), at(0).c_str(), at(along.places.size() - 1).c_str()));
 }
 
 DriftWords words_of_drift(const Found& found, const LevelDrift& drift) {
