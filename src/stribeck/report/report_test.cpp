@@ -183,7 +183,7 @@ TEST(CompareReport, TheEndOfTheGlitchWindowIsInsideTheCloseUp) {
   in.axes.clear();
   const auto marks = [&] {
     const std::string page = compare_report(in);
-    return count(page.substr(page.find("One quadrant, close up</h2>")), "<text>0.15 mm of ");
+    return count(page.substr(page.find("One quadrant, close up</h2>")), ">0.15 mm of ");
   };
   const std::size_t small = marks();
   EXPECT_EQ(small, 2u);
@@ -203,7 +203,7 @@ TEST(CompareReport, TruthOnlyWhereItIsGiven) {
   const std::string page = compare_report(in);
   EXPECT_THAT(page, HasSubstr("true friction of the virtual machine, which no controller may use"));
   // In the map of y and in the forces of y.
-  EXPECT_EQ(count(page, "<text>true friction</text>"), 2u);
+  EXPECT_EQ(count(page, ">true friction</text>"), 2u);
 }
 
 TEST(CompareReport, AnAxisThatTurnsHasTorques) {

@@ -152,8 +152,7 @@ TEST(CirclePage, FirstScreenHoldsAnswerNumbersAndThePicture) {
   EXPECT_LT(lead, numbers);
   EXPECT_LT(numbers, picture);
   EXPECT_LT(picture, contents);
-  for (const char* mark : {"<text>III</text>", "<text>x+</text>", "<text>5 µm</text>"})
-    EXPECT_THAT(page, HasSubstr(mark));
+  for (const char* mark : {">III</text>", ">x+</text>", ">5 µm</text>"}) EXPECT_THAT(page, HasSubstr(mark));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 

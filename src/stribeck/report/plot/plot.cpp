@@ -7,6 +7,7 @@
 #include <stribeck/report/plot/gnuplot.hpp>
 #include <stribeck/report/plot/plot.hpp>
 #include <stribeck/report/plot/svg_cleaner.hpp>
+#include <stribeck/report/plot/svg_squeeze.hpp>
 #include <utility>
 
 namespace stribeck::report {
@@ -69,7 +70,8 @@ std::vector<std::string> render(const std::vector<Plot>& plots, Format format) {
     }
     const std::string_view drawing = rest.substr(0, end + last_bytes.size());
     if (format == Format::kSvg) {
-      drawings.push_back(cleaned_svg(drawing, plot, fmt::format("plot-{}-", drawings.size() + 1)));
+      drawings.push_back(
+          squeezed_svg(cleaned_svg(drawing, plot, fmt::format("plot-{}-", drawings.size() + 1))));
     } else {
       drawings.push_back(timeless(std::string(drawing)));
     }

@@ -119,7 +119,7 @@ class SvgCleaner {
     const std::string text = escape_html(clean_text(described(plot)));
     out_ = fmt::format(
         "<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" fill=\"none\" color=\"#000000\" stroke=\"currentColor\" "
-        "stroke-linecap=\"round\" stroke-linejoin=\"round\" font-family=\"sans-serif\" data-plot='{3}' role=\"img\" "
+        "stroke-linecap=\"round\" stroke-linejoin=\"round\" font-family=\"sans-serif\" font-size=\"12\" data-plot='{3}' role=\"img\" "
         "aria-label=\"{2}\"><title>{2}</title>",
         plot.width, plot.height, text, quoted_once(plot_facts(plot)));
     std::size_t at = raw_.find("<svg");
