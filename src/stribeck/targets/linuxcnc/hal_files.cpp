@@ -56,6 +56,14 @@ std::string learning(const std::vector<std::string>& phases, const std::vector<s
   return out;
 }
 
+/// How a machine tells the controllers of late cycles.
+std::string lateness(const std::vector<std::string>& controllers) {
+  std::string out =
+      "\n# On a machine, not with virtual drives, which count in periods: the controller is told of late cycles\n";
+  for (const std::string& name : controllers) out += fmt::format("# setp {}.watch-lateness 1\n", name);
+  return out;
+}
+
 std::vector<std::string> instances(const Axes& axes) {
   std::vector<std::string> out;
   for (const HalAxis& a : axes) out.push_back("ax." + a.letter);
@@ -93,7 +101,7 @@ std::string axis_control(const Configuration& c) {
     return text + supervision_lines("ax." + a.letter, *a.machine) +
            controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
   });
-  return out + learning(instances(c.axes), instances(c.axes));
+  return out + learning(instances(c.axes), instances(c.axes)) + lateness(instances(c.axes));
 }
 
 std::string contour_control(const Configuration& c) {
@@ -117,7 +125,7 @@ std::string contour_control(const Configuration& c) {
   });
   std::vector<std::string> controllers;
   for (std::size_t i = 0; i < c.axes.size(); ++i) controllers.push_back(fmt::format("ct.{}", i));
-  return out + learning({"ct"}, controllers);
+  return out + learning({"ct"}, controllers) + lateness({"ct"});
 }
 
 namespace {

@@ -57,6 +57,16 @@ TEST(LinuxCnc, TheFileOfAnotherAxisIsRefused) {
   EXPECT_EQ(with(""), "accepted");
 }
 
+// Virtual drives count in periods: whoever takes the files to a machine finds the line.
+TEST(LinuxCnc, AConfigurationNamesTheLineForLateCycles) {
+  HalExport x({kMachines + "biaxial-table.toml"}, "folder");
+  x.request.parameters = "commissioning";
+  static_cast<void>(targets::find_target("linuxcnc")->write(x.request));
+  for (const char* line : {"# setp ax.x.watch-lateness 1\n", "# setp ax.y.watch-lateness 1\n"})
+    EXPECT_THAT(text_of(x.request.output + "/control-axis.hal"), HasSubstr(line));
+  EXPECT_THAT(text_of(x.request.output + "/control-contour.hal"), HasSubstr("# setp ct.watch-lateness 1\n"));
+}
+
 // LinuxCNC counts a, b and c in degrees, whatever a file says of them.
 TEST(LinuxCnc, ALetterOfARotaryAxisHasItsUnit) {
   HalExport mill({kMachines + "five-axis-mill.toml"});
