@@ -149,6 +149,11 @@ std::size_t line_of_deep_key(std::string_view text) {
   return 0;
 }
 
+void take_angles_too(Node& node) {
+  node.either = true;
+  for (Node& child : node.children) take_angles_too(child);
+}
+
 }  // namespace
 
 Node parse_toml(std::string_view text, const std::string& file) {
@@ -159,6 +164,7 @@ Node parse_toml(std::string_view text, const std::string& file) {
     const toml::table table = toml::parse(text);
     Node root = converted(table, 1);
     root.line = 1;
+    if (const Node* turns = root.find("rotary"); turns != nullptr && turns->flag) take_angles_too(root);
     return root;
   } catch (const toml::parse_error& e) {
     throw NotToml(

@@ -39,6 +39,7 @@ struct Node {
   std::int64_t integer = 0;
   bool flag = false;
   bool rotary = false;  ///< of an axis that turns: lengths are angles (units.hpp, rotary_quantity)
+  bool either = false;  ///< below rotary = true: units of angles count beside those of lengths
   std::size_t line = 0;
   std::vector<Node> children;  ///< of a table or list, in the order of the file
 

@@ -42,7 +42,8 @@ std::string shown(const Node& node) {
 std::optional<double> read_number(const Node& node, const Quantity& declared, const std::string& key,
                                   Problems& problems) {
   std::optional<Quantity> rotary;
-  if (node.rotary) rotary = rotary_quantity(declared, node.text);
+  if (node.rotary || node.either) rotary = rotary_quantity(declared, node.text);
+  if (node.either && rotary && !is_convertible(node.text, *rotary)) rotary.reset();
   const Quantity& q = rotary ? *rotary : declared;
   const bool is_number = node.kind == Node::Kind::kInteger || node.kind == Node::Kind::kNumber;
   try {

@@ -374,4 +374,36 @@ TEST(Toml, DescribesEveryKey) {
 }
 
 }  // namespace
+/// A file of one axis.
+struct Turns {
+  bool rotary = false;
+  double mass = 0.0;
+  Element element;
+
+  static constexpr auto fields() {
+    return std::tuple{field("rotary", &Turns::rotary, "turns").or_default(),
+                      field("mass", &Turns::mass, quantity("kg", "N s2/mm").positive(), "mass"),
+                      field("element", &Turns::element, "element")};
+  }
+};
+
+TEST(Toml, AFileOfAnAxisThatTurnsMaySayAnglesAndTorques) {
+  const auto read = [](const std::string& head, const std::string& mass, const std::string& stiffness) {
+    return read_toml_text<Turns>(
+        head + "mass = \"" + mass + "\"\n[element]\nstiffness = \"" + stiffness + "\"\nshare = 1\n",
+        "c.toml");
+  };
+  const std::string turns = "rotary = true\n";
+  const Turns angles = read(turns, "1.2 kg m^2", "300 N m/rad");
+  EXPECT_EQ(angles.mass, 1.2);
+  EXPECT_EQ(angles.element.stiffness, 300.0);
+  // What the program writes, and both beside each other.
+  const Turns lengths = read(turns, "1.2 kg", "0.3 N/mm");
+  EXPECT_EQ(lengths.mass, 1.2);
+  EXPECT_EQ(lengths.element.stiffness, 300.0);
+  for (const std::string head : {"", "rotary = false\n"})
+    EXPECT_THROW(read(head, "1.2 kg m^2", "0.3 N/mm"), InputError) << head;
+  EXPECT_THROW(read(turns, "1.2 s", "0.3 N/mm"), InputError);
+}
+
 }  // namespace stribeck::io::toml_test

@@ -16,7 +16,8 @@ namespace stribeck::sim {
 
 struct AxisFile {
   std::optional<std::string> axis;  ///< its name
-  /// Carried as a linear axis at a radius of 1 m: N stands for N m, kg for kg m2, mm for mrad; left out: no.
+  /// Carried as a linear axis at a radius of 1 m: N stands for N m, kg for kg m2, mm for mrad; a file may also say N m, kg m2
+  /// and deg. Left out: no.
   std::optional<bool> rotary;
   friction::AxisModel model;
   std::optional<control::LostMotionParams> lost_motion{};
@@ -32,7 +33,7 @@ struct AxisFile {
         field(
             "rotary", &AxisFile::rotary,
             "the axis turns and is carried as a linear one at a radius of 1 m: N stands for N m, kg for kg m2 "
-            "and mm for mrad")
+            "and mm for mrad; units of angles and torques count too")
             .or_default(),
         embedded(&AxisFile::model),
         field("lost_motion", &AxisFile::lost_motion,

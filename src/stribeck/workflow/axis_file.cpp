@@ -113,11 +113,12 @@ std::string why_unreadable(const std::string& axis_file) {
 
 std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version,
                            const OfMachineFile& known) {
-  std::string text =
-      io::write_toml(axis_file(found, axis, known),
-                     fmt::format("{}{}, identified from {} by stribeck {} ({}).",
-                                 axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
-                                 axis.sources, version, ident::name_of(found.result.method)));
+  std::string text = io::write_toml(
+      axis_file(found, axis, known),
+      fmt::format("{}{}, identified from {} by stribeck {} ({}).{}",
+                  axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model, axis.sources,
+                  version, ident::name_of(found.result.method),
+                  axis.rotary ? "\nThe axis turns: N stands for N m, kg for kg m2, mm for mrad." : ""));
   if (const std::string why = why_unreadable(text); !why.empty())
     refuse_option(
         "--output",
