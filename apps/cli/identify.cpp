@@ -140,6 +140,8 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     if (!wrong.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), wrong);
     const std::string weight = load_contradiction(machine.axis(one.axis), found.result.load);
     if (!weight.empty() && found.result.force_unit == "N") warnings.insert(warnings.begin(), weight);
+    const std::string friction = friction_unlike_file(machine.axis(one.axis), found.result);
+    if (!friction.empty()) warnings.push_back(friction);
     const std::string too_far = travel_contradiction(machine.axis(one.axis), axis.records);
     if (!too_far.empty()) warnings.insert(warnings.begin(), too_far);
     const std::string too_fast = speed_contradiction(machine.axis(one.axis), axis.records);

@@ -320,4 +320,22 @@ std::string load_contradiction(const AxisDescription& axis, double load) {
       load, unit);
 }
 
+std::string friction_unlike_file(const AxisDescription& axis, const ident::Result& result) {
+  const Rough& rough = axis.commissioning.friction;
+  if (rough.empty() || result.force_unit != "N") return {};
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  for (const char* name : {"coulomb_positive", "coulomb_negative", "static_positive", "static_negative"}) {
+    const ident::Parameter* found = result.find(name);
+    if (found == nullptr || !std::isfinite(found->value)) continue;
+    low = std::min(low, std::abs(found->value));
+    high = std::max(high, std::abs(found->value));
+  }
+  if (!(high > 0.0) || (low <= rough.high() && high >= rough.low())) return {};
+  const std::string_view unit = units_of(axis.rotary).force;
+  return fmt::format(
+      "friction at low speed, {:.4g} to {:.4g} {}, is not what the machine file allows, {:.4g} to {:.4g} {}: where the mass is right, correct "
+      "commissioning.friction, by which excite designs motions; where it is wrong too, so is the scale of the force",
+      low, high, unit, rough.low(), rough.high(), unit);
+}
+
 }  // namespace stribeck::workflow

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stribeck/core/field_types.hpp>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/result.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <string>
@@ -65,6 +66,10 @@ std::string mass_contradiction(const AxisDescription& axis, double low, double h
 
 /// A sentence where an identified load is not that of the file; empty: it is, or friction explains the difference.
 std::string load_contradiction(const AxisDescription& axis, double load);
+
+/// A sentence where no part of the identified friction, from Coulomb to static, is what the file allows; empty: one is, or none is known.
+/// It is no contradiction: friction is the quantity that nobody knows beforehand.
+std::string friction_unlike_file(const AxisDescription& axis, const ident::Result& result);
 
 /// A sentence where logs hold a larger force than the drive makes; empty: they do not, or it is not known.
 std::string force_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);

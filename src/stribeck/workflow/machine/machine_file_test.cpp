@@ -461,6 +461,28 @@ TEST(MachineFile, ALoadThatTheFileDoesNotKnowIsSaid) {
   EXPECT_EQ(load_contradiction(a, -1500.0), "");
 }
 
+TEST(MachineFile, FrictionThatTheFileDoesNotAllowIsSaid) {
+  AxisDescription a;
+  a.commissioning.friction = Rough(100.0, 300.0);
+  ident::Result r;
+  r.force_unit = "N";
+  const auto with = [&](double coulomb, double highest) {
+    r.parameters = {{"coulomb_positive", coulomb, "N", "N"},
+                    {"coulomb_negative", -coulomb, "N", "N"},
+                    {"static_negative", -highest, "N", "N"}};
+    return friction_unlike_file(a, r);
+  };
+  EXPECT_THAT(with(12.0, 15.0), HasSubstr("12 to 15 N, is not what the machine file allows, 100 to 300 N"));
+  EXPECT_THAT(with(310.0, 400.0), HasSubstr("310 to 400 N"));
+  EXPECT_EQ(with(80.0, 120.0), "");
+  EXPECT_EQ(with(290.0, 400.0), "");
+  a.commissioning.friction = Rough(100.0);  // a third to three times
+  EXPECT_EQ(with(290.0, 290.0), "");
+  EXPECT_NE(with(320.0, 320.0), "");
+  r.force_unit = "A";
+  EXPECT_EQ(with(12.0, 15.0), "");
+}
+
 TEST(MachineFile, AMassAboveThatOfTheFileMayBeTheRotor) {
   AxisDescription a;
   a.commissioning.mass = Rough(4.0, 6.0);

@@ -260,6 +260,8 @@ class AxisStages {
     axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
     const std::string travel = travel_contradiction(description_, c.records.records);
     if (!travel.empty()) axis_.warnings.push_back(travel);
+    const std::string friction = friction_unlike_file(description_, r);
+    if (!friction.empty()) axis_.warnings.push_back(friction);
     const std::vector<std::string> wrong = contradictions(c);
     axis_.warnings.insert(axis_.warnings.end(), wrong.begin(), wrong.end());
   }
