@@ -30,6 +30,21 @@ TEST_P(EveryCurve, DerivativesEqualCentralDifferences) {
   }
 }
 
+// Implicit equations of the named curves, which know nothing of phi.
+TEST_P(EveryCurve, HasTheShapeOfItsName) {
+  const double r = curve.size;
+  for (const double phi : {0.1, 0.4, 1.0, 2.2, 2.7, 4.0}) {
+    const auto p = curve.point(phi);
+    const double x = curve.shape == Shape::kTrifolium ? p[0] - r : p[0], y = p[1];
+    const double square = x * x + y * y;
+    const double left = curve.shape == Shape::kCircle ? square / (r * r) - 1.0
+                        : curve.shape == Shape::kEight
+                            ? (y * y * r * r - x * x * (r * r - x * x)) / (r * r * r * r)
+                            : (square * square - r * x * (3.0 * y * y - x * x)) / (r * r * r * r);
+    EXPECT_NEAR(left, 0.0, 1e-12) << phi;
+  }
+}
+
 TEST_P(EveryCurve, ClosesAfterALapAndNeverStandsStill) {
   const Vec2 gap = curve.point(0.3 + curve.period()) - curve.point(0.3);
   EXPECT_LT(norm(gap), 1e-16);
