@@ -166,7 +166,6 @@ stribeck_result start(Controller<N>& c, double period) {
       softest = std::min(softest, std::sqrt(params.lambda[i] * a));
     }
     c.setup.compensation[i] = s.compensation;
-    c.setup.compensation[i].delay = s.compensation.model.delay_or_none();
     c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
     supervision[i] = s.supervision;
   }

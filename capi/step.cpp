@@ -27,7 +27,10 @@ void forget(Controller<N>& c) {
   capi::with_law(c, [&](auto& running) { c.supervisor.reset(c.watch, running.state); });
   c.phase = c.elapsed = capi::kAbsent;
   for (std::size_t i = 0; i < N; ++i) {
+    // The drive goes on with its last set point until the next one comes.
+    const double held = c.commands[i].started ? c.commands[i].command : capi::kAbsent;
     renew(c.commands[i]);
+    c.commands[i].resumed = held;
     c.measured_force[i] = capi::kAbsent;
   }
   if constexpr (N > 1) renew(c.frame.state);

@@ -287,7 +287,7 @@ TEST(CInterface, OneAxisIsTheCppController) {
   c.observer = control::Observer::kKalman;
   c.observer_pole = 35.0;
   c.guarded = true;
-  c.delay = 4e-4;
+  c.model.delay = 4e-4;
   c.adaptation.enabled = true;
   const control::Pd law(params, kPeriod);
   control::Pd::State state;

@@ -17,12 +17,20 @@
 /// if not, they rest (setup.hpp), and the integral of the drive takes what the model does not explain.
 /// The integral of the drive holds the axis before the first period. The first U is taken as that force, so that nothing jumps; a
 /// constant part of U is left to the integral anyway.
+/// A drive at its force limit does not follow. Its set point must not run away from it: it stays within what the drive answers with twice
+/// that force, and the lag that its loop may have besides,
+///
+///   |x_m − x| ≤ 2·U_max/(K·K_v) + |ẋ_r|·(τ + 1/K_v + 5 T)
+///
+/// and v_m goes with it. Both are changed by what a period of saturation can add to them at most, so that a single wild sample moves little.
+///
 /// After a fault the axis stops by its own loop: set points run out with constant deceleration within the stop time. A force offset
 /// goes with them to 0, or to the load where the drive has no integral that could hold it; after a wrong sign to 0 at once.
 /// Source: Stribeck's own; docs/theory/drive-modes.md.
 /// Not modelled: cycle, delay, filters and limits of the drive.
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite.
 
+#include <limits>
 #include <stribeck/control/setup.hpp>
 #include <stribeck/friction/drive_loop.hpp>
 
@@ -41,6 +49,9 @@ class DriveCommand {
     double lead = 0.0;      ///< δ [m]
     double position = 0.0;  ///< x_m [m]
     double velocity = 0.0;  ///< v_m [m/s]
+    double last = 0.0;      ///< x_m a period before [m]
+    /// Set point that the drive holds from before a reset: x_m begins there where it is near the motion; NaN: none [m].
+    double resumed = std::numeric_limits<double>::quiet_NaN();
     bool started = false;
     int left = -1;  ///< periods until the end of a stop; -1: none has begun
   };
@@ -53,7 +64,9 @@ class DriveCommand {
   };
 
   DriveCommand() = default;
-  DriveCommand(const friction::DriveLoop& loop, double load, double delay, double period) noexcept
+  /// limit: of the force [N]; infinite: none is known, and set points are not held.
+  DriveCommand(const friction::DriveLoop& loop, double load, double delay, double period, double mass = 1.0,
+               double limit = std::numeric_limits<double>::infinity()) noexcept
       : loop_(loop),
         stiffness_(loop.stiffness()),
         load_(load),
@@ -63,17 +76,17 @@ class DriveCommand {
     if (loop.mode == friction::DriveMode::kPosition) {
       const double lag = *loop.velocity_feedforward / *loop.position_gain;
       if (lag > 0.0) follow_ = 1.0 - exp(-period / lag);
+      fast_ = kAnswer * limit / loop.gain;
+      far_ = fast_ / *loop.position_gain;
+      late_ = delay + 1.0 / *loop.position_gain + kPeriodsOfDrive * period;
+      most_change_ = kAnswer * limit / mass * period;
     }
   }
 
-  /// The command for a force [N] that accelerates by a [m/s²]. `start` counts in the first period alone.
-  void step(State& s, double force, double a, const Start& start) const noexcept {
-    if (!s.started) {
-      s.started = true;
-      if (stiffness_ > 0.0) s.base = s.held = force;
-      s.velocity = start.velocity + delay_ * start.acceleration;
-      s.position = start.position + delay_ * start.velocity;
-    }
+  /// The command for a force [N] that accelerates by a [m/s²]. With `now` the motion begins in the first period; later it holds x_m.
+  void step(State& s, double force, double a, const Start& now) const noexcept {
+    if (!s.started) begin(s, force, now);
+    if (isfinite(far_)) hold(s, now);
     double added = 0.0;
     if (loop_.force_offset) {
       s.offset = stiffness_ > 0.0 ? force - s.base : force;
@@ -83,6 +96,7 @@ class DriveCommand {
       s.held += integral_step_ * added;
     }
     const double mean = s.velocity + 0.5 * period_ * a;
+    s.last = s.position;
     s.position += period_ * mean;
     s.velocity += period_ * a;
     if (loop_.mode == friction::DriveMode::kVelocity) {
@@ -130,6 +144,37 @@ class DriveCommand {
   }
 
  private:
+  static constexpr double kAnswer = 2.0;  ///< of the force limit
+  static constexpr double kPeriodsOfDrive =
+      5.0;  ///< by which cycle, filters and delay of a drive may be late
+
+  void begin(State& s, double force, const Start& now) const noexcept {
+    s.started = true;
+    if (stiffness_ > 0.0) s.base = s.held = force;
+    s.velocity = now.velocity + delay_ * now.acceleration;
+    s.position = now.position + delay_ * now.velocity;
+    if (loop_.mode == friction::DriveMode::kPosition && isfinite(s.resumed)) {
+      const double lead = (1.0 - *loop_.velocity_feedforward) * s.velocity / *loop_.position_gain;
+      const double near = late_ * abs(now.velocity) + (isfinite(far_) ? far_ : 0.0);
+      if (abs(s.resumed - s.position) <= near) {
+        s.lead = lead;
+        s.position = s.resumed - lead;
+      }
+    }
+    s.last = s.position;
+  }
+
+  /// The set point of a drive that takes a position, near the encoder.
+  void hold(State& s, const Start& now) const noexcept {
+    const double most = far_ + late_ * abs(now.velocity);
+    const double step = period_ * (abs(s.velocity) + fast_);
+    const double near = clamp_to(s.position, now.position - most, now.position + most);
+    if (near == s.position) return;
+    s.position = clamp_to(near, s.position - step, s.position + step);
+    s.velocity =
+        clamp_to((s.position - s.last) / period_, s.velocity - most_change_, s.velocity + most_change_);
+  }
+
   friction::DriveLoop loop_;
   double stiffness_ = 0.0;  ///< K/T_n [N/m]
   double load_ = 0.0;       ///< [N]
@@ -137,6 +182,11 @@ class DriveCommand {
   double period_ = 1e-3;
   double integral_step_ = 0.0;  ///< K·T/T_n [N·s/m]
   double follow_ = 1.0;         ///< share by which δ follows in a period
+  double fast_ = std::numeric_limits<
+      double>::infinity();  ///< speed that the drive answers with kAnswer times its force [m/s]
+  double far_ = std::numeric_limits<double>::infinity();          ///< and distance [m]
+  double late_ = 0.0;                                             ///< of the table behind the set point [s]
+  double most_change_ = std::numeric_limits<double>::infinity();  ///< of v_m in a period [m/s]
 };
 
 /// All axes of a machine. An axis without a loop of its own keeps the law's force.
@@ -154,9 +204,11 @@ class DriveInterface {
       mass_[i] = c.model.mass;
       present_[i] = c.model.drive_loop.has_value();
       reports_[i] = present_[i] && c.model.drive_loop->force_feedback;
-      if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.model.load, c.delay, setup.period);
+      if (present_[i])
+        axes_[i] = DriveCommand(*c.model.drive_loop, c.model.load, c.delay(), setup.period, c.model.mass,
+                                setup.force_limit[i]);
       limit_[i] = setup.force_limit[i];
-      late_[i] = Compensation::whole_periods(c.delay, setup.period);
+      late_[i] = Compensation::whole_periods(c.delay(), setup.period);
     }
   }
 
@@ -178,10 +230,11 @@ class DriveInterface {
         s[i].command = force[i];
         continue;
       }
-      const DriveCommand::Start start{measured[i], r.velocity[i], r.acceleration[i]};
+      const DriveCommand::Start now{measured[i], r.velocity[i], r.acceleration[i]};
       const double a = (force[i] - law.compensation[i].balance) / mass_[i];
-      if (isfinite(start.position + start.velocity + start.acceleration + a)) {
-        axes_[i].step(s[i], force[i], a, start);
+      if (isfinite(now.position + now.velocity + now.acceleration + a)) {
+        for (int missed = 1; missed < min_of(law.periods, kMostMissed); ++missed) axes_[i].coast(s[i]);
+        axes_[i].step(s[i], force[i], a, now);
         s[i].offset = clamp_to(s[i].offset, -limit_[i], limit_[i]);
       } else if (s[i].started) {
         axes_[i].coast(s[i]);
@@ -213,6 +266,9 @@ class DriveInterface {
   }
 
  private:
+  /// Periods that a host missed, up to which a set point goes on with its velocity.
+  static constexpr int kMostMissed = 9;
+
   std::array<DriveCommand, N> axes_;
   std::array<bool, N> present_{};
   std::array<bool, N>

@@ -238,7 +238,7 @@ Setup<3> three_kinds() {
   for (std::size_t i = 0; i < 3; ++i) {
     setup.compensation[i].model.mass = 50.0 + 30.0 * static_cast<double>(i);
     setup.compensation[i].model.load = 20.0 * static_cast<double>(i);
-    setup.compensation[i].delay = 0.2e-3 * static_cast<double>(i);
+    setup.compensation[i].model.delay = 0.2e-3 * static_cast<double>(i);
   }
   setup.compensation[1].model.drive_loop = position_loop(0.5);
   setup.compensation[2].model.drive_loop = velocity_loop();
@@ -410,7 +410,7 @@ TEST(DriveInterface, TheReportedForceStandsWhereItsCommandDoes) {
   for (const int delay : {0, 1, 4}) {
     auto setup = setup_with(velocity_loop(), Observer::kDisturbance);
     setup.compensation[0].model.drive_loop->force_feedback = true;
-    setup.compensation[0].delay = delay * kPeriod;
+    setup.compensation[0].model.delay = delay * kPeriod;
     const DriveInterface<1> drives(setup);
     DriveInterface<1>::State s{};
     drives.command(s, {}, {}, {}, {{0.0}});

@@ -37,7 +37,7 @@ Setup<1> setup(Observer observer, double delay = 0.0) {
   c.feedforward = Feedforward::kSteady;
   c.observer = observer;
   c.observer_pole = 40.0;
-  c.delay = delay;
+  c.model.delay = delay;
   s.force_limit = {{2000.0}};
   return s;
 }
@@ -77,7 +77,7 @@ Motion follow(const Setup<1>& s, Checks checks, ErrorRate form, int from,
   constexpr double kBegin = 0.3;
   constexpr int kDelay = 8;
   std::array<double, kDelay + 1> waiting{};
-  const auto late = static_cast<std::size_t>(std::lround(s.compensation[0].delay / kPeriod));
+  const auto late = static_cast<std::size_t>(std::lround(s.compensation[0].delay() / kPeriod));
   double x = stroke(kBegin).position[0];
   double v = stroke(kBegin).velocity[0];
   waiting.fill(kFriction + kMass * stroke(kBegin).acceleration[0]);

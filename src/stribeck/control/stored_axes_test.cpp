@@ -139,8 +139,8 @@ void add_late_laws(std::vector<Case>& all) {
                    [](Setup<2>& s) {
                      everywhere(s, Feedforward::kDynamic, Observer::kKalman, true);
                      apart(s);
-                     s.compensation[0].model.delay = s.compensation[0].delay = 0.6 * kPeriod;
-                     s.compensation[1].model.delay = s.compensation[1].delay = 2.3 * kPeriod;
+                     s.compensation[0].model.delay = 0.6 * kPeriod;
+                     s.compensation[1].model.delay = 2.3 * kPeriod;
                    },
                    {}});
   };
@@ -193,7 +193,7 @@ void add_compensations(std::vector<Case>& all) {
             y.integral_time = {};
             y.position_gain = 35.0;
             y.velocity_feedforward = 0.55;
-            s.compensation[0].model.delay = s.compensation[0].delay = 1.2 * kPeriod;
+            s.compensation[0].model.delay = 1.2 * kPeriod;
           });
     }
   }
@@ -361,8 +361,8 @@ const Stored kStored[] = {
     {"densities", {-1924.01224, -1465.71329, 490.312672}},
     {"velocity-loop", {897.838988, 1468.87001, 11274.9479}},
     {"velocity-offset", {897.838988, 1468.87001, 3816.49592}},
-    {"position-loop", {897.838988, 1468.87001, 6289.08549}},
-    {"position-offset", {897.838988, 1468.87001, 3771.02922}},
+    {"position-loop", {897.838988, 1468.87001, 7001.91927}},
+    {"position-offset", {897.838988, 1468.87001, 4483.86299}},
     {"sound", {-2422.25021, 934.796393, -640.236024}},
     {"sound-lost", {-2422.25021, 934.796393, -640.236024}},
     {"sound-none", {-2422.25021, 934.796393, -640.236024}},

@@ -197,7 +197,7 @@ inline void everywhere(Setup<2>& s, Feedforward f, Observer o, bool adapts = fal
   }
 }
 inline void late(Setup<2>& s, double periods) {
-  for (CompensationParams& c : s.compensation) c.model.delay = c.delay = periods * kPeriod;
+  for (CompensationParams& c : s.compensation) c.model.delay = periods * kPeriod;
 }
 inline void loops(Setup<2>& s, friction::DriveMode mode, bool offset) {
   for (CompensationParams& c : s.compensation) {

@@ -77,7 +77,6 @@ CompensationParams compensation(std::size_t i, const Means& means, const Units& 
   c.model.friction.dynamics = friction::LuGre<double>{kLevel[i] * n / (5e-6 * u.m),
                                                       300.0 * kLevel[i] * n * u.s / u.m, 0.4e-3 * u.m / u.s};
   c.model.delay = 0.25e-3 * static_cast<double>(i) * u.s;
-  c.delay = c.model.delay_or_none();
   c.feedforward = means.feedforward[i];
   c.observer = means.observer[i];
   c.observer_pole = (20.0 + 5.0 * static_cast<double>(i)) / u.s;
@@ -158,7 +157,7 @@ void expect_independent(const Params& params, Alone alone_of, const Means& means
   Setup<kAxes> limited = setup(means);
   if (!cut) limited.force_limit = 1e6 * limited.force_limit;
   // Learning has one delay for all axes.
-  for (CompensationParams& c : limited.compensation) c.model.delay = c.delay = limited.compensation[1].delay;
+  for (CompensationParams& c : limited.compensation) c.model.delay = limited.compensation[1].model.delay;
   const auto all = std::make_unique<All>(params, limited);
   const auto state = std::make_unique<typename All::State>();
   std::vector<One> one;
@@ -263,7 +262,7 @@ PerAxis reordered(const PerAxis& list) {
 /// One delay for all axes: the law that plans ahead and the one that learns know only one.
 Setup<kAxes> in_order(const Means& means, bool other) {
   Setup<kAxes> all = setup(means);
-  for (CompensationParams& c : all.compensation) c.model.delay = c.delay = all.compensation[1].delay;
+  for (CompensationParams& c : all.compensation) c.model.delay = all.compensation[1].model.delay;
   // One axis has a drive with a loop of its own, whose velocity is not observed.
   all.compensation[0].model.drive_loop =
       friction::DriveLoop{friction::DriveMode::kVelocity, 2e4, 10e-3, {}, {}, false, true};

@@ -377,7 +377,6 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
                       c.model.delay_or_none() * 1e3, control::kMostDelay,
                       static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3));
     }
-    c.delay = c.model.delay_or_none();
     const NamePlate plate = axis.name_plate();
     c.encoder_resolution = plate.encoder_resolution;
     setup.force_limit[i] = plate.force;
@@ -395,7 +394,7 @@ std::vector<std::size_t> calm(control::Setup<N>& setup, const ControllerSpec& wh
   if (!which.adaptation.enabled || which.observer != control::Observer::kKalman) return late;
   for (std::size_t i = 0; i < N; ++i) {
     const control::CompensationParams& c = setup.compensation[i];
-    if (c.delay > kNoDelay * setup.period && !c.model.drive_loop) late.push_back(i);
+    if (c.delay() > kNoDelay * setup.period && !c.model.drive_loop) late.push_back(i);
   }
   if (late.empty()) return late;
   try {

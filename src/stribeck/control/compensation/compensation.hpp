@@ -43,10 +43,11 @@ constexpr bool delay_fits(double delay, double period) noexcept {
 struct CompensationParams : CompensationSettings<double> {
   friction::AxisModel model;         ///< identified model of the axis
   double encoder_resolution = 1e-7;  ///< Kalman: step of the encoder [m]
-  double delay = 0.0;                ///< from the sample to the beginning of the hold [s], at most 8 periods
   bool guarded = false;              ///< back off when the loop oscillates (oscillation_guard.hpp)
 
-  /// All settings but the delay, which the model brings.
+  /// From the sample to the beginning of the hold [s], at most 8 periods: that of the model.
+  [[nodiscard]] double delay() const noexcept { return model.delay_or_none(); }
+
   static constexpr auto fields() {
     using P = CompensationParams;
     return std::tuple_cat(std::tuple{embedded(&P::model)}, CompensationSettings<double>::fields(),
@@ -103,7 +104,7 @@ class Compensation {
                                  params.model.mass, period)
                 : KalmanObserver()),
         feedforward_(params.model.friction, period),
-        adaptation_(adaptation_of(params), followed(params), params.encoder_resolution, params.delay,
+        adaptation_(adaptation_of(params), followed(params), params.encoder_resolution, params.delay(),
                     period) {
     if (params.feedforward == Feedforward::kReversal)
       reversal_ = ReversalFeedforward(params.reversal, params.model.friction, period);
@@ -112,8 +113,8 @@ class Compensation {
           OscillationGuard(kSwing * params.model.friction.parts(0.0, 0.0).level +
                                kRattle * params.model.mass * params.encoder_resolution / (period * period),
                            period);
-    whole_ = whole_periods(params.delay, period);
-    rest_ = periods_of(params.delay, period) - static_cast<double>(whole_);
+    whole_ = whole_periods(params.delay(), period);
+    rest_ = periods_of(params.delay(), period) - static_cast<double>(whole_);
     past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
   }
 
@@ -193,7 +194,7 @@ class Compensation {
       const double jerk = s.started ? jerk_of(s, velocity, acceleration) : 0.0;
       s.last_jerk = jerk;
       const MotionAhead now{reference, velocity, acceleration, jerk};
-      const double delay = params_.delay + adaptation_.delay(s.adaptation);
+      const double delay = params_.delay() + adaptation_.delay(s.adaptation);
       const MotionAhead coming = now.later(delay);
       if (velocity == 0.0 && acceleration == 0.0) hand_over(s, reference);
       const double middle = 0.5 * period_;
@@ -397,8 +398,10 @@ class Compensation {
   /// The same as a multiple of the answer to one encoder step with a gain of 1/T.
   static constexpr double kRattle = 0.3;
 
+  /// None where it is not a number.
   static double periods_of(double delay, double period) noexcept {
-    return clamp_to(delay / period, 0.0, static_cast<double>(kMostDelay));
+    const double periods = delay / period;
+    return periods > 0.0 ? min_of(periods, static_cast<double>(kMostDelay)) : 0.0;
   }
 
   /// Mean over the last period of the commanded values, later by the delay.

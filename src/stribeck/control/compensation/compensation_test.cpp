@@ -73,7 +73,7 @@ TEST(Compensation, BegunInMotionTheObserversAddNothing) {
 TEST(Compensation, OverAPeriodThatPassesTheForceStaysAndTheReferenceGoesOn) {
   CompensationParams p = whole(1000.0, 3e8);
   p.adaptation.enabled = true;
-  p.delay = 2.0 * kPeriod;
+  p.model.delay = 2.0 * kPeriod;
   const Compensation law(p, kPeriod);
   Compensation::State s;
   StatusCounter status;
@@ -112,7 +112,7 @@ TEST(DynamicCompensation, LeavesAHundredthOfWhatTheSteadyMapLeaves) {
 TEST(DynamicCompensation, AKnownDelayCostsLittle) {
   CompensationParams p = whole(1000.0, 3e8);
   const double unknown = follow(p, 1000.0, 3e8, 5e4, 1, 10.0).worst;
-  p.delay = kPeriod;
+  p.model.delay = kPeriod;
   const double known = follow(p, 1000.0, 3e8, 5e4, 1, 10.0).worst;
   EXPECT_GT(unknown, 0.5e-6);
   EXPECT_LT(known, 0.1 * unknown);

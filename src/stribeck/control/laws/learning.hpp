@@ -181,7 +181,7 @@ class Learning {
         cells_per_phi_(static_cast<double>(kCells) / setup.lap),
         limit_(setup.force_limit) {
     double delay = 0.0;
-    for (const auto& c : setup.compensation) delay = max_of(delay, c.delay / setup.period);
+    for (const auto& c : setup.compensation) delay = max_of(delay, c.delay() / setup.period);
     delay = clamp_to(delay, 0.0, static_cast<double>(kMostDelay));
     whole_ = static_cast<std::size_t>(delay);
     part_ = delay - static_cast<double>(whole_);

@@ -207,7 +207,7 @@ class Circle {
   static Setup<2> setup(double period, double delay) {
     auto s = test::masses<2>(period);
     s.lap = 2.0 * kPi;
-    for (auto& c : s.compensation) c.delay = delay;
+    for (auto& c : s.compensation) c.model.delay = delay;
     return s;
   }
   Learning<2> law_;

@@ -192,14 +192,14 @@ class Predictive {
     // Error and speed at the time at which the force of now begins to act.
     std::array<typename Moves::Begin, N> x;
     V speed;
-    const double delay = setup_.compensation[0].delay;
+    const double delay = setup_.compensation[0].delay();
     const double place =
         s.rate * (delay / t) - s.lag / t;  // of the beginning of the hold, on the programme [periods]
     read(s, ahead, place);
     for (std::size_t i = 0; i < N; ++i) {
       const Motion m = begin_of_hold(s, r, measured, i, first);
       // An axis with a longer delay than the first has its error predicted to a later place of the reference.
-      const double later = setup_.compensation[i].delay - delay;
+      const double later = setup_.compensation[i].delay() - delay;
       const double v = s.rate * s.velocity[0][i];
       const double a = later == 0.0 ? 0.0 : mean(s, i, 0);
       x[i] = {m.position - (s.position[0][i] + later * (v + 0.5 * later * a)), m.velocity - (v + later * a)};
@@ -319,7 +319,7 @@ class Predictive {
     const auto acceleration = [&](std::size_t n) {
       return (c.force[n] - c.feedforward_history[n] - c.estimate) / common_.mass(i);
     };
-    const double periods = clamp_to(setup_.compensation[i].delay / t, 0.0, static_cast<double>(kMostDelay));
+    const double periods = clamp_to(setup_.compensation[i].delay() / t, 0.0, static_cast<double>(kMostDelay));
     const auto whole = static_cast<std::size_t>(periods);
     const double rest = periods - static_cast<double>(whole);
     Motion m{measured[i], r.velocity[i] + s.error[i].rate, r.velocity[i] + s.error[i].rate};

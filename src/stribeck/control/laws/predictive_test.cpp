@@ -295,7 +295,7 @@ TEST(Predictive, AKnownDelayCostsTimeAndNothingElse) {
   constexpr double kPeriod = 1e-3;
   for (const double periods : {1.0, 1.3, 3.0}) {
     auto setup = test::masses<1>(kPeriod);
-    setup.compensation[0].delay = periods * kPeriod;
+    setup.compensation[0].model.delay = periods * kPeriod;
     PredictiveParams exact;
     exact.rate_at_sample = true;
     const Predictive<1> law(exact, setup);
@@ -609,8 +609,8 @@ TEST(Predictive, WithUnlikeDelaysEachAxisIsTheAxisAlone) {
   // Constant acceleration, which a single point foretells exactly; the first axis has the shorter delay, or the longer one.
   for (const bool swapped : {false, true}) {
     auto setup = test::masses<2>(1e-3);
-    setup.compensation[swapped ? 0 : 1].delay = 2.3e-3;
-    setup.compensation[swapped ? 1 : 0].delay = 0.4e-3;
+    setup.compensation[swapped ? 0 : 1].model.delay = 2.3e-3;
+    setup.compensation[swapped ? 1 : 0].model.delay = 0.4e-3;
     setup.compensation[1].model.mass = 20.0;
     const Predictive<2> both({}, setup);
     Predictive<2>::State s;

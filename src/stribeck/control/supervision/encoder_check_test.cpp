@@ -135,7 +135,7 @@ TEST(SupervisionLimits, ADelayCountsInWholePeriodsUpToTheLongest) {
   axis.model.mass = 1000.0;
   for (const auto& [delay, periods] : {std::pair{0.0, 0}, std::pair{0.3e-3, 1}, std::pair{1e-3, 1},
                                        std::pair{2.1e-3, 3}, std::pair{8e-3, 8}, std::pair{11e-3, 8}}) {
-    axis.delay = delay;
+    axis.model.delay = delay;
     EXPECT_EQ(SupervisionLimits({}, axis, 250.0, 1e-3).late_periods, periods) << delay;
   }
 }

@@ -147,7 +147,7 @@ struct SupervisionLimits {
         noise(kSteps * step),
         following_time(p.following_time) {
     samples = periods(p.bridge_time, 3, 50);
-    late_periods = static_cast<int>(std::ceil(clamp_to(axis.delay / t, 0.0, 1.0 * kMostDelay) - 1e-6));
+    late_periods = static_cast<int>(std::ceil(clamp_to(axis.delay() / t, 0.0, 1.0 * kMostDelay) - 1e-6));
     stop_periods = periods(p.stop_time, 1, 100000);
     saturation_periods = periods(p.saturation_time, 1, 1000000);
     if (checks != Checks::kAll) return;

@@ -301,7 +301,7 @@ void for_each_response(const control::LawParams& law, const control::Setup<N>& s
   }
   auto drives = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<HeldDrive, N>{
-        HeldDrive(free.compensation[I].model.mass, free.period, free.compensation[I].delay, modes[I])...};
+        HeldDrive(free.compensation[I].model.mass, free.period, free.compensation[I].delay(), modes[I])...};
   }
   (std::make_index_sequence<N>());
   const AnyController<N> controller = make_controller<N>(linear_part(law), free);

@@ -30,7 +30,7 @@ control::Setup<2> table(Observer observer = Observer::kNone, double delay = 0.0)
   for (auto& c : s.compensation) {
     c.observer = observer;
     c.encoder_resolution = 25e-9;
-    c.delay = delay * kPeriod;
+    c.model.delay = delay * kPeriod;
   }
   return s;
 }
@@ -147,7 +147,7 @@ TEST(LoopMargins, DoNotDependOnMassAndScaleWithTime) {
 TEST(LoopMargins, SeeTheGainsAcrossThePathOnEveryAxis) {
   // Only y is late; the faster gains across the path meet it where the tangent lies along x.
   auto s = table();
-  s.compensation[1].delay = kPeriod;
+  s.compensation[1].model.delay = kPeriod;
   EXPECT_FALSE(loop_margins<2>(ContouringParams::critical(60.0, 70.0), s).stable);
   EXPECT_FALSE(loop_margins<2>(ContouringParams::critical(70.0, 60.0), s).stable);
   EXPECT_EQ(loop_margins<2>(ContouringParams::critical(40.0, 70.0), s).axis, 1U);

@@ -35,7 +35,7 @@ TEST(MeasuredLoop, MarginsAreThoseOfTheLaw) {
   for (auto& c : setup.compensation) {
     c.model.mass = kMass;
     c.observer = control::Observer::kNone;
-    c.delay = 0.7 * kPeriod;
+    c.model.delay = 0.7 * kPeriod;
   }
   for (const double omega : {40.0, 120.0, 250.0}) {
     const LoopMargins law = loop_margins<2>(control::ContouringParams::critical(omega, omega), setup);

@@ -12,7 +12,7 @@ bool unstable_with(const plant::AxialMode& mode, const HalAxis& a, const Configu
   control::Setup<1> setup;
   setup.period = c.sample_time;
   setup.compensation[0].model.mass = a.model.mass;
-  setup.compensation[0].delay = std::min(a.model.delay_or_none(), control::kMostDelay * c.sample_time);
+  setup.compensation[0].model.delay = std::min(a.model.delay_or_none(), control::kMostDelay * c.sample_time);
   return !sim::loop_margins<1>(control::ContouringParams::critical(c.omega, c.omega), setup, {mode}).stable;
 }
 
