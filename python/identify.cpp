@@ -126,12 +126,13 @@ void add_numbers(FoundClass& c) {
   using R = ident::Result;
   property(
       c, "mass", [](const R& r) { return r.mass; },
-      "float: equivalent mass [kg], reflected inertia included; NaN: not determined.");
+      "float: equivalent mass [kg], of an axis that turns its inertia [kg m2], reflected inertia included; NaN: not determined.");
   property(
       c, "mass_ci95", [](const R& r) { return pair(r.mass_interval.low, r.mass_interval.high); },
       "(low, high): its 95 % interval [kg].");
   property(
-      c, "load", [](const R& r) { return r.load; }, "float: constant force against +x, e.g. a weight [N].");
+      c, "load", [](const R& r) { return r.load; },
+      "float: constant force against +x, e.g. a weight [N], of an axis that turns a torque [N m].");
   property(
       c, "delay", [](const R& r) { return r.delay; },
       "float: from the command of a force to the beginning of its hold [s]; 0: none was found.");
