@@ -109,6 +109,18 @@ TEST(Commission, PromotesNothingFromALogOfTheCommand) {
               HasSubstr("the position is the command, so that all numbers and their intervals"));
 }
 
+// A list of rows is a log; a result of this program beside the logs is none.
+TEST(Commission, TakesLogsInJson) {
+  const Stages stages;
+  stages.log(
+      "x.json",
+      "[{\"time [s]\": 0, \"x_act\": 1, \"torque\": 2}, {\"time [s]\": 0.001, \"x_act\": 2, \"torque\": 3}]\n");
+  stages.log("result.json", "{\n  \"schema\": \"stribeck.identify/1\",\n  \"axis\": \"x\"\n}\n");
+  const std::string said = stages.run().out;
+  EXPECT_THAT(said, AllOf(HasSubstr("skipped: "), HasSubstr("x.json"), HasSubstr("x_act"),
+                          Not(HasSubstr("result.json"))));
+}
+
 TEST(Commission, PromotesAVerifiedModelAndDoesNothingTwice) {
   const Stages stages;
   stages.log("x-sine.csv", log_text(3.0, 20.0, 1));

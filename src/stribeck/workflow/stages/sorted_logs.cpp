@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 #include <stribeck/ident/refused.hpp>
@@ -15,17 +17,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether a JSON file is a result of this program, and not a log.
+bool is_result(const fs::path& file) {
+  constexpr std::size_t kHead = 400;
+  std::string head(kHead, ' ');
+  std::ifstream(file, std::ios::binary).read(head.data(), static_cast<std::streamsize>(kHead));
+  return head.find("\"schema\"") != std::string::npos && head.find("\"stribeck.") != std::string::npos;
+}
+
 /// The files of the folder in the order of their names; hidden ones and those of this program are left out.
 std::vector<std::string> files_in(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    static constexpr std::array<std::string_view, 6> kOthers{".toml", ".json", ".html",
-                                                             ".ngc",  ".hal",  ".md"};
+    static constexpr std::array<std::string_view, 5> kOthers{".toml", ".html", ".ngc", ".hal", ".md"};
     const std::string name = entry.path().filename().string();
     if (name.starts_with('.') || !entry.is_regular_file()) continue;
     if (std::find(kOthers.begin(), kOthers.end(), entry.path().extension().string()) != kOthers.end())
       continue;
+    if (entry.path().extension() == ".json" && is_result(entry.path())) continue;
     files.push_back(entry.path().string());
   }
   if (error) throw io::InputError({folder, 0, {}, "cannot be read: " + error.message()});
