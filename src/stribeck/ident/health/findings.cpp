@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/findings.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
@@ -11,8 +12,11 @@ namespace {
 constexpr double kSeason = 2.0;      // limit of viscous friction without temperatures, times that of others
 constexpr double kSameChange = 7.0;  // days between steps of one change, at most
 constexpr double kBetweenChanges = 1.5;  // tests between the intervals of two changes
-constexpr std::size_t kBeside = 10;      // tests before and after
-constexpr double kMedianSpread = 1.25;   // standard deviation of a median to that of a mean
+constexpr std::size_t kBeside = 10;      // tests before and after, at most
+constexpr std::size_t kFewBeside = 3;
+constexpr double kSeasonSlope = 0.002;  // of the scale, per day, as the slope of a trend
+constexpr double kLeastShare = 0.02;    // that counts
+constexpr double kMedianSpread = 1.25;  // standard deviation of a median to that of a mean
 
 /// Value and half width of one number in one test; absent where the test does not have it.
 using Get = std::function<std::optional<std::array<double, 2>>(const HealthTest&)>;
@@ -116,36 +120,125 @@ bool is_of(const Change& change, const Step& step, double spacing) {
   return std::abs(change.day - step.day) <= kSameChange && gap <= kBetweenChanges * spacing;
 }
 
-/// How much a number changed at a change: its own step, or the medians before and after, no farther than the changes beside it.
-Shift shift_at(const Channel& c, std::size_t index, const Change& change, const std::vector<Change>& all,
-               double spacing) {
-  const double day = change.day;
+/// Values of a number before and after a day, up to `most` of each.
+struct Beside {
+  std::vector<double> days, values;  ///< days from the change on
+  std::size_t after = 0;             ///< index of the first one after
+
+  [[nodiscard]] Beside nearest(std::size_t most) const {
+    const std::size_t first = after - std::min(after, most), last = std::min(days.size(), after + most);
+    const auto at = [](const std::vector<double>& v, std::size_t from, std::size_t to) {
+      return std::vector<double>(v.begin() + static_cast<std::ptrdiff_t>(from),
+                                 v.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    return {at(days, first, last), at(values, first, last), after - first};
+  }
+};
+
+/// Of a number no farther than the changes beside this one.
+Beside beside(const Channel& c, double day, const std::vector<Change>& all) {
   double from = -std::numeric_limits<double>::infinity();
   double to = -from;
   for (const Change& other : all) {
     if (other.day < day) from = std::max(from, other.day);
     if (other.day > day) to = std::min(to, other.day);
   }
-  Shift s{index, 0.0, 0.0, false};
-  std::vector<double> before, after;
+  Beside out;
   for (std::size_t i = 0; i < c.trend.values.size(); ++i) {
     const double at = c.readings[i].day;
     if (at < from || at >= to) continue;
-    (at < day ? before : after).push_back(c.trend.values[i]);
+    out.days.push_back(at - day);
+    out.values.push_back(c.trend.values[i]);
+    if (at < day) ++out.after;
   }
-  if (before.empty() || after.empty() || !c.trend.known()) return s;
-  if (before.size() > kBeside) before.erase(before.begin(), before.end() - kBeside);
-  if (after.size() > kBeside) after.resize(kBeside);
-  const auto n = static_cast<double>(before.size()), m = static_cast<double>(after.size());
-  s.share = c.share(stats::median(after) - stats::median(before));
-  s.deviation = c.share(kMedianSpread * c.trend.scatter * std::sqrt(1.0 / n + 1.0 / m));
-  double nearest = std::numeric_limits<double>::infinity();
+  return out;
+}
+
+/// A jump at day 0, and its standard deviation.
+struct Jump {
+  double value = 0.0;
+  double deviation = 0.0;
+};
+
+/// Difference of the medians after and before, less the slope that both sides share. `scatter`: of one value. `slope_prior`: of a season.
+Jump jump_of(const Beside& b, double scatter, double slope_prior) {
+  const std::size_t n = b.days.size();
+  std::vector<double> slopes;
+  double spread = 0.0;
+  std::array<double, 2> centre{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::size_t first = side == 0 ? 0 : b.after, last = side == 0 ? b.after : n;
+    const auto count = static_cast<double>(last - first);
+    for (std::size_t i = first; i < last; ++i) {
+      centre[side] += b.days[i] / count;
+      for (std::size_t k = first; k < i; ++k) {
+        if (b.days[i] > b.days[k]) slopes.push_back((b.values[i] - b.values[k]) / (b.days[i] - b.days[k]));
+      }
+    }
+    for (std::size_t i = first; i < last; ++i) spread += std::pow(b.days[i] - centre[side], 2.0);
+  }
+  const double information = spread / (scatter * scatter), prior = 1.0 / (slope_prior * slope_prior);
+  const double slope =
+      slopes.empty() ? 0.0 : stats::median(std::move(slopes)) * information / (information + prior);
+  std::vector<double> before, after;
+  for (std::size_t i = 0; i < n; ++i)
+    (i < b.after ? before : after).push_back(b.values[i] - slope * b.days[i]);
+  const auto m = static_cast<double>(after.size());
+  const double medians =
+      kMedianSpread * scatter * std::sqrt(1.0 / static_cast<double>(before.size()) + 1.0 / m);
+  const double apart = centre[1] - centre[0];
+  return {stats::median(after) - stats::median(before),
+          std::hypot(medians, apart / std::sqrt(information + prior))};
+}
+
+/// The jump that is known best from three to ten tests before and after. What bends in a season, at any phase, widens it: of few
+/// tests a month it is the most of it.
+Jump best_jump(const Beside& all, double scatter, double scale) {
+  constexpr double kYear = 2.0 * kPi / 365.25;  // [1/day]
+  const double slope = kSeasonSlope * scale;
+  Jump best{0.0, std::numeric_limits<double>::infinity()};
+  for (std::size_t most = kBeside; most >= kFewBeside; --most) {
+    const Beside b = all.nearest(most);
+    Jump jump = jump_of(b, scatter, slope);
+    std::array<Beside, 2> season{b, b};
+    for (std::size_t i = 0; i < b.days.size(); ++i) {
+      season[0].values[i] = slope / kYear * std::cos(kYear * b.days[i]);
+      season[1].values[i] = slope / kYear * std::sin(kYear * b.days[i]);
+    }
+    const double bend =
+        std::hypot(jump_of(season[0], scatter, slope).value, jump_of(season[1], scatter, slope).value) /
+        std::sqrt(2.0);
+    jump.deviation = std::hypot(jump.deviation, bend);
+    if (jump.deviation < best.deviation) best = jump;
+  }
+  return best;
+}
+
+/// The step of a number that belongs to a change; none: null.
+const Step* own_step(const Channel& c, const Change& change, double spacing) {
+  const Step* own = nullptr;
   for (const Step& step : c.trend.steps) {
-    if (!is_of(change, step, spacing) || std::abs(step.day - day) >= nearest) continue;
-    nearest = std::abs(step.day - day);
-    s.share = c.share(step.change);
-    s.deviation = c.share(step.half_width) / 1.96;
+    if (!is_of(change, step, spacing)) continue;
+    if (own == nullptr || std::abs(step.day - change.day) < std::abs(own->day - change.day)) own = &step;
   }
+  return own;
+}
+
+/// How much a number changed at a change: its own step, or what its tests before and after show beside their slope.
+Shift shift_at(const Channel& c, std::size_t index, const Change& change, const std::vector<Change>& all,
+               double spacing) {
+  Shift s{index, 0.0, 0.0, false};
+  if (!c.trend.known()) return s;
+  if (const Step* own = own_step(c, change, spacing)) {
+    s.share = c.share(own->change);
+    s.deviation = c.share(own->half_width) / 1.96;
+    return s;
+  }
+  const Beside tests = beside(c, change.day, all);
+  if (tests.after == 0 || tests.after == tests.days.size()) return s;
+  const Jump jump = best_jump(tests, c.trend.scatter, c.scale);
+  s.share = c.share(jump.value);
+  s.deviation = c.share(jump.deviation);
   return s;
 }
 
@@ -154,20 +247,50 @@ Shift drift_of(const Channel& c, std::size_t index) {
   return {index, c.share(c.trend.now - c.trend.reference), c.share(c.trend.drift_half_width) / 1.96, false};
 }
 
-void judge(Change& change, const std::vector<Channel>& channels) {
-  constexpr double kLeast = 0.02;
-  for (Shift& s : change.shifts) s.counts = std::abs(s.share) >= std::max(kLeast, 3.0 * s.deviation);
+/// Least share that counts: no more than the limit of a step.
+double least_of(const Limits& limits) { return std::min(kLeastShare, limits.step); }
+
+/// What counts, and the causes that fit it.
+void judge(Change& change, const std::vector<Channel>& channels, double least) {
+  for (Shift& s : change.shifts) s.counts = std::abs(s.share) >= std::max(least, 3.0 * s.deviation);
   change.causes = causes_of(channels, change.shifts);
 }
 
-void add_steps(Health& health) {
+/// Whether a number goes back to what it was before an earlier change.
+bool goes_back(const Health& health, const Change& change, const Shift& s, double spacing) {
+  if (const Step* own = own_step(health.channels[s.channel], change, spacing)) return own->restores;
+  for (const Change& other : health.changes) {
+    const Shift& e = other.shifts[s.channel];
+    if (other.day < change.day && e.counts && e.share * s.share < 0.0 &&
+        std::abs(e.share + s.share) <= 0.5 * std::abs(e.share))
+      return true;
+  }
+  return false;
+}
+
+/// Of a change whose largest step goes back: whether all of it does, and the causes of what does not.
+void judge_return(const Health& health, Change& change, double spacing) {
+  std::vector<Shift> others = change.shifts;
+  for (Shift& s : others) s.counts = s.counts && !goes_back(health, change, s, spacing);
+  change.causes.clear();  // the cause of the earlier step has ended
+  if (std::none_of(others.begin(), others.end(), [](const Shift& s) { return s.counts; })) return;
+  change.restores = false;
+  change.restores_part = true;
+  change.causes = causes_of(health.channels, others);
+}
+
+void add_steps(Health& health, const Limits& limits) {
   struct Found {
     const Step* step;
     double size;
   };
+  const double least = least_of(limits);
   std::vector<Found> all;
   for (const Channel& c : health.channels) {
-    for (const Step& s : c.trend.steps) all.push_back({&s, c.share(std::abs(s.change))});
+    for (const Step& s : c.trend.steps) {
+      // A step that does not count makes no change of its own.
+      if (const double size = c.share(std::abs(s.change)); size >= least) all.push_back({&s, size});
+    }
   }
   // The largest first: it gives the day of its change.
   std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.size > b.size; });
@@ -198,12 +321,14 @@ void add_steps(Health& health) {
   for (Change& change : health.changes) {
     for (std::size_t i = 0; i < health.channels.size(); ++i)
       change.shifts.push_back(shift_at(health.channels[i], i, change, health.changes, spacing));
-    judge(change, health.channels);
-    if (change.restores) change.causes.clear();  // the cause of the earlier step has ended
+    judge(change, health.channels, least);
+  }
+  for (Change& change : health.changes) {
+    if (change.restores) judge_return(health, change, spacing);
   }
 }
 
-void add_drift(Health& health) {
+void add_drift(Health& health, const Limits& limits) {
   const auto drifted = std::find_if(health.channels.begin(), health.channels.end(),
                                     [](const Channel& c) { return c.trend.drifted; });
   if (drifted == health.channels.end()) return;
@@ -217,7 +342,7 @@ void add_drift(Health& health) {
   change.beyond_limit = true;
   for (std::size_t i = 0; i < health.channels.size(); ++i)
     change.shifts.push_back(drift_of(health.channels[i], i));
-  judge(change, health.channels);
+  judge(change, health.channels, least_of(limits));
   health.changes.push_back(std::move(change));
 }
 
@@ -229,8 +354,8 @@ Health health_of(const std::vector<HealthTest>& tests, const Limits& limits, boo
   if (tests.front().axis) add_axis(tests, limits, out.channels);
   if (tests.front().circle) add_circle(tests, limits, out.channels);
   for (Channel& c : out.channels) c.rotary = rotary;
-  add_steps(out);
-  add_drift(out);
+  add_steps(out, limits);
+  add_drift(out, limits);
   std::stable_sort(out.changes.begin(), out.changes.end(),
                    [](const Change& a, const Change& b) { return a.day < b.day; });
   return out;

@@ -3,7 +3,8 @@
 ///
 /// Every force counts as a share of the friction level, which is the mean of both directions in the first test, Coulomb friction of
 /// itself but at least of 0.3 of that level, viscous friction of itself where it is larger; a mass as a share of itself; a length of the circular test as a share of twice its first value, at least of 2 µm. Steps within a week of each other, in whichever numbers, are
-/// one change. Its effect on every other number is the difference of the medians of ten tests before and after. A slow change is a
+/// one change; a step that does not count makes none. Its effect on every other number is the difference of the medians of three to ten tests before and after, as many as tell it best, less the slope
+/// that both sides share; its interval holds that slope and the bend of a season (a slope of 0.2 % per day at most). A slow change is a
 /// number that has left its drift limit, twice as wide for viscous friction without temperatures; its effect is that since the first tests.
 ///
 /// Causes follow from the pattern alone (causes.cpp has the rules): several may fit, and none is proven.
@@ -83,7 +84,8 @@ struct Shift {
   std::size_t channel = 0;
   double share = 0.0;      ///< of the scale
   double deviation = 0.0;  ///< standard deviation, as a share
-  bool counts = false;     ///< at least three standard deviations and 2 %
+  bool counts =
+      false;  ///< at least three standard deviations and 2 %, or the limit of a step where it is less
 };
 
 struct Cause {
@@ -100,12 +102,15 @@ struct Change {
   double probability = 1.0;
   bool beyond_limit = false;
   bool undone = false;
-  bool restores = false;      ///< takes an earlier step back
-  std::vector<Shift> shifts;  ///< one for each channel
+  bool restores = false;       ///< takes an earlier step back, in all numbers that count
+  bool restores_part = false;  ///< in its largest number, and others that count do not go back
+  std::vector<Shift> shifts;   ///< one for each channel
   std::vector<Cause> causes;
 
   /// Whether it lasts, is beyond its limit, and is no return to what was.
-  [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone && !restores; }
+  [[nodiscard]] bool matters() const noexcept {
+    return beyond_limit && !undone && !restores && !restores_part;
+  }
 };
 
 struct Health {

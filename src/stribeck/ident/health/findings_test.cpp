@@ -129,6 +129,99 @@ TEST(HealthFindings, TwoChangesInOneWeekAreTwo) {
   EXPECT_EQ(matter[1]->causes.front().what.substr(0, 4), "load");
 }
 
+/// Weekly tests for a year with a season of Coulomb and viscous friction, and an event from day 290 on.
+std::vector<HealthTest> weekly(const Event& event) {
+  std::vector<HealthTest> tests = tests_with({}, 53, 1000);
+  const std::vector<HealthTest> later = tests_with(event, 53, 0);
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const double day = 7.0 * static_cast<double>(i);
+    if (day >= 290.0) tests[i] = later[i];
+    tests[i].day = day;
+    const double season = std::cos(2.0 * 3.14159265 * (day - 20.0) / 365.25);
+    Measured& m = *tests[i].axis;
+    m.coulomb->value += 6.0 * season;
+    m.viscous->value += 12.0 * season / 0.02;
+    for (Force* f : {&m.forward, &m.backward}) f->value += 12.0 * season;
+  }
+  return tests;
+}
+
+/// What counts at the only change that matters.
+std::string counted(const Health& health) {
+  std::string out;
+  for (const Change& c : health.changes) {
+    if (!c.matters()) continue;
+    for (const Shift& s : c.shifts) {
+      if (s.counts) out += std::string(enum_name(health.channels[s.channel].number)) + ' ';
+    }
+  }
+  return out;
+}
+
+// Ten weekly tests before and after lie months apart: a workpiece of 10 % was told as the scale of the force, by the season of friction.
+TEST(HealthFindings, ASeasonIsNoPartOfAStep) {
+  const Health health = health_of(weekly(event_of(&Event::mass, 1.105)));
+  EXPECT_EQ(counted(health), "mass ");
+  ASSERT_TRUE(health.changed());
+  EXPECT_EQ(health.changes.front().causes.front().what, "more mass: workpiece, fixture or tool");
+}
+
+TEST(HealthFindings, AStepBesideASeasonStaysFound) {
+  Event gain;
+  gain.coulomb = gain.viscous = gain.mass = 1.2;
+  const Health health = health_of(weekly(gain));
+  EXPECT_EQ(counted(health), "forward backward coulomb viscous mass ");
+  ASSERT_TRUE(health.changed());
+  EXPECT_EQ(health.changes.front().causes.front().what,
+            "scale of the force: gain, current sensor or motor constant");
+}
+
+/// Adds to the friction above the mean at one place, from a test up to another.
+void add_at(std::vector<HealthTest>& tests, std::size_t place, std::size_t from, std::size_t to,
+            double newton) {
+  for (std::size_t d = from; d < to; ++d) tests[d].axis->places[place].more.value += newton;
+}
+
+// A step of half a percent in a number that hardly scatters made a change with what other numbers did meanwhile.
+TEST(HealthFindings, AStepThatDoesNotCountMakesNoChange) {
+  std::vector<HealthTest> tests = tests_with({}, 120, 1000);
+  for (std::size_t d = 0; d < tests.size(); ++d)
+    tests[d].axis->places[1].more.value = 0.01 * static_cast<double>(d % 2);
+  add_at(tests, 1, 60, 120, 2.4);
+  const Health health = health_of(tests);
+  ASSERT_EQ(health.channels[7].trend.steps.size(), 1U) << "of 1.8 %, and sure";
+  EXPECT_TRUE(health.changes.empty());
+  Limits fine;
+  fine.step = 0.015;
+  EXPECT_TRUE(health_of(tests, fine).changed()) << "beyond a limit of 1.5 %";
+}
+
+// Mass is back to what it was, Coulomb friction is not.
+TEST(HealthFindings, AChangeTakesBackOnlyWhatGoesBack) {
+  std::vector<HealthTest> tests = tests_with(event_of(&Event::mass, 1.3), 120, 40);
+  Event after;
+  after.coulomb = 1.07;
+  const std::vector<HealthTest> later = tests_with(after, 120, 80);
+  for (std::size_t d = 80; d < tests.size(); ++d) tests[d] = later[d];
+  const Health health = health_of(tests);
+  ASSERT_EQ(health.changes.size(), 2U);
+  EXPECT_FALSE(health.changes[1].restores);
+  EXPECT_TRUE(health.changes[1].restores_part);
+  ASSERT_FALSE(health.changes[1].causes.empty());
+  EXPECT_EQ(health.changes[1].causes.front().what.substr(0, 7), "tighter");
+  EXPECT_FALSE(health.changed()) << "7 % of friction are within the limit";
+}
+
+TEST(HealthFindings, AMassThatIsTakenOffAgainIsTakenBack) {
+  std::vector<HealthTest> tests = tests_with(event_of(&Event::mass, 1.3), 120, 40);
+  const std::vector<HealthTest> later = tests_with({}, 120, 1000);
+  for (std::size_t d = 80; d < tests.size(); ++d) tests[d] = later[d];
+  const Health health = health_of(tests);
+  ASSERT_EQ(health.changes.size(), 2U);
+  EXPECT_TRUE(health.changes[1].restores);
+  EXPECT_TRUE(health.changes[1].causes.empty());
+}
+
 TEST(HealthFindings, SlowWearIsASlowChange) {
   std::vector<HealthTest> tests = tests_with({}, 200, 1000);
   for (std::size_t d = 50; d < tests.size(); ++d) {

@@ -4,7 +4,7 @@
 ///   json   {"schema": "stribeck.health/1", "machine", "archive", "changed", "added": [file], "limits": {"step_percent",
 ///           "drift_percent"}, "axes": [{"axis", "tests", "first", "last", "changed", "numbers": [{"number", "from_mm", "to_mm",
 ///           "unit", "reference", "now", "change_percent", "change_half_width_percent", "scatter_percent", "per_degree_percent",
-///           "status"}], "changes": [{"kind", "date", "earliest", "latest", "probability", "beyond_limit", "undone", "restores", "effects":
+///           "status"}], "changes": [{"kind", "date", "earliest", "latest", "probability", "beyond_limit", "undone", "restores", "restores_part", "effects":
 ///           [{"number", "from_mm", "to_mm", "percent", "half_width_percent", "counts"}], "causes": [{"what", "why", "next"}]}],
 ///           "motion": [command]}], "remarks"}
 ///

@@ -58,6 +58,7 @@ Json to_json(const Change& change, const std::vector<Channel>& channels) {
   out["beyond_limit"] = change.beyond_limit;
   out["undone"] = change.undone;
   out["restores"] = change.restores;
+  out["restores_part"] = change.restores_part;
   out["effects"] = Json::array();
   for (const health::Shift& s : change.shifts) {
     const Channel& c = channels[s.channel];
@@ -161,10 +162,11 @@ std::string kind_of(const Change& change) {
   const std::string sure =
       change.probability > 0.999 ? "above 99.9" : decimals(100.0 * change.probability, 1);
   return fmt::format("step, {} % sure, {}", sure,
-                     change.undone         ? "taken back since"
-                     : change.restores     ? "takes an earlier step back"
-                     : change.beyond_limit ? "beyond its limit"
-                                           : "within the limits");
+                     change.undone          ? "taken back since"
+                     : change.restores      ? "takes an earlier step back"
+                     : change.restores_part ? "takes an earlier step back in part"
+                     : change.beyond_limit  ? "beyond its limit"
+                                            : "within the limits");
 }
 
 std::string effects_of(const Change& change, const std::vector<Channel>& channels) {
