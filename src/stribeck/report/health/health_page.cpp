@@ -147,9 +147,9 @@ Page health_report_page(const HealthReportInput& input) {
     page.lead(fmt::format("{}: {}, {}.", axis.motion.empty() ? "Circle" : "Axis " + axis.name, tests_of(axis),
                           verdict_of(axis)));
   page.paragraph(fmt::format(
-      "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself; tables and figures have the forces themselves. A step counts from {} % on, a slow change from {} % on{}. "
+      "{} Tables and figures have the values themselves. A step counts from {} % on, a slow change from {} % on{}. "
       "A step needs three tests before it is believed.",
-      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
+      shares_of(input), short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
       further_limits(input)));
   for (const HealthAxis& axis : input.axes) {
     page.section(axis.motion.empty() ? "Circle" : "Axis " + axis.name);

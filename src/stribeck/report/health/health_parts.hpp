@@ -23,6 +23,8 @@ std::string tests_of(const HealthAxis& axis);
 std::string pending_of(const HealthAxis& axis);
 /// " (of viscous friction without temperatures 50 %)", of numbers whose slow change has another limit; empty: none.
 std::string further_limits(const HealthReportInput& input);
+/// What the changes in percent are shares of, as sentences.
+std::string shares_of(const HealthReportInput& input);
 /// The verdict on one axis in one sentence.
 std::string verdict_of(const HealthAxis& axis);
 

@@ -46,6 +46,21 @@ TEST(HealthReport, SaysTheLimitThatIsDrawn) {
   EXPECT_THAT(page, HasSubstr("(dashed, 25 % (of viscous friction without temperatures 50 %))"));
 }
 
+// Percent of a circle are not those of forces.
+TEST(HealthReport, SaysWhatTheChangesOfACircleAreSharesOf) {
+  namespace health = ident::health;
+  HealthReportInput in = input();
+  EXPECT_THAT(text_table(in), HasSubstr("shares of the friction level of the first test"));
+  EXPECT_THAT(text_table(in), Not(HasSubstr("circle")));
+  in.axes[0].health.channels.resize(1);
+  in.axes[0].health.channels[0].number = health::Number::kCircularDeviation;
+  const std::string words =
+      "Changes of a circle are shares of twice the value of the first test, at least of 2 um.";
+  EXPECT_THAT(text_table(in), HasSubstr(words));
+  EXPECT_THAT(text_table(in), Not(HasSubstr("forces")));
+  EXPECT_THAT(health_report(in), HasSubstr(words));
+}
+
 TEST(HealthReport, NamesTheFilesThatItWasMadeFrom) {
   HealthReportInput in = input();
   in.inputs = {{"m.toml", "0123abcd"}};

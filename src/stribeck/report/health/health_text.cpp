@@ -213,6 +213,24 @@ std::string further_limits(const HealthReportInput& input) {
   return {};
 }
 
+std::string shares_of(const HealthReportInput& input) {
+  bool forces = false, circles = false;
+  for (const HealthAxis& axis : input.axes) {
+    for (const Channel& c : axis.health.channels) {
+      const bool circle = c.number == Number::kCircularDeviation || c.number == Number::kHysteresis;
+      (circle ? circles : forces) = true;
+    }
+  }
+  std::vector<std::string> words;
+  if (forces)
+    words.emplace_back(
+        "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself.");
+  if (circles)
+    words.emplace_back(
+        "Changes of a circle are shares of twice the value of the first test, at least of 2 um.");
+  return joined(words, " ");
+}
+
 std::string verdict_of(const HealthAxis& axis) {
   if (axis.health.changed()) return "changed beyond its limits";
   const bool known = std::any_of(axis.health.channels.begin(), axis.health.channels.end(),
@@ -240,10 +258,9 @@ std::string text_table(const HealthReportInput& input) {
       for (const std::string& command : axis.motion) out += "  " + command + "\n";
     }
   }
-  out += fmt::format(
-      "\nChanges of forces are shares of the friction level of the first test, of Coulomb friction of itself. Limits: a step of {} %, a slow change of {} %{}.\n",
-      short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
-      further_limits(input));
+  out += fmt::format("\n{} Limits: a step of {} %, a slow change of {} %{}.\n", shares_of(input),
+                     short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift),
+                     further_limits(input));
   for (const std::string& remark : input.remarks) out += "remark: " + clean_text(remark) + "\n";
   return out;
 }
