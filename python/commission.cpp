@@ -53,7 +53,8 @@ Outcome health(const py::object& machine, const py::args& logs, const py::kwargs
   o.limits = {0.01 * keywords.number("limit", 1.0, kMostPercent).value_or(10.0),
               0.01 * keywords.number("drift_limit", 1.0, kMostPercent).value_or(25.0)};
   keywords.done();
-  workflow::check_health_options(o, archive);
+  workflow::check_health_options(o);
+  workflow::check_archive(o, archive);
   return unlocked([&] {
     const io::OutputFolder folder(archive);
     const workflow::ArchiveFolder tests(archive);

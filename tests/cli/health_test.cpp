@@ -185,11 +185,31 @@ TEST(Health, RefusesAnArchiveThatIsNoArchive) {
 TEST(Health, PrintsTheMotionWhereNoArchiveIs) {
   const Folder folder;
   const Said said = command({"health", kMachine, "--archive", folder / "none"});
-  EXPECT_EQ(said.code, 2);
-  EXPECT_THAT(said.err, HasSubstr("no such folder"));
+  EXPECT_EQ(said.code, 0) << "the answer of step 1 of the guide";
+  EXPECT_EQ(said.err, "");
+  EXPECT_THAT(said.out, HasSubstr("none is not there yet."));
   for (const std::string axis : {"x", "y"})
     EXPECT_THAT(said.out, HasSubstr("--axis " + axis + " --method constant-acceleration -o " + axis +
                                     "-health-mass.csv --gcode " + axis + "-health-mass.ngc"));
+}
+
+// A trend that is wanted as a file, or from a day on, is not there.
+TEST(Health, RefusesATrendOfNoArchive) {
+  const Folder folder;
+  for (const std::vector<std::string>& wanted : {std::vector<std::string>{"--json", folder / "trend.json"},
+                                                 {"--report", folder / "page"},
+                                                 {"--since", "2026-01-01"},
+                                                 {"--quiet"}}) {
+    std::vector<std::string> line{"health", kMachine, "--archive", folder / "none"};
+    line.insert(line.end(), wanted.begin(), wanted.end());
+    const Said said = command(line);
+    EXPECT_EQ(said.code, 2) << wanted.front();
+    EXPECT_THAT(said.err, HasSubstr("no such folder")) << wanted.front();
+  }
+  folder.write("file", "");
+  const Said said = command({"health", kMachine, "--archive", folder / "file"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.err, HasSubstr("no such folder"));
 }
 
 }  // namespace

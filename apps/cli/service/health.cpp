@@ -23,15 +23,24 @@ struct HealthCommand {
   ArchiveFolder folder;       ///< locked until the files of this command are written
 };
 
+/// Nothing but text on the terminal is wanted: without an archive, the motion of the first test is the answer.
+bool only_shows(const HealthCommand& o) {
+  const Common& c = o.common;
+  return c.json.empty() && c.report.empty() && c.plots.empty() && !c.quiet && o.what.since.empty();
+}
+
 int run_health(HealthCommand& o) {
   std::vector<std::string> inputs = o.what.logs;
   inputs.insert(inputs.end(), o.what.circles.begin(), o.what.circles.end());
   inputs.push_back(o.what.machine);
   check_distinct(inputs, {page_of(o.common), o.common.json});
-  if (const std::string first = before_first_test(o.what, o.archive); !first.empty())
-    say(o.common, first + '\n');
   o.what.log = o.log.resolved();
-  check_health_options(o.what, o.archive);
+  check_health_options(o.what);
+  if (const std::string first = before_first_test(o.what, o.archive); !first.empty()) {
+    say(o.common, first);
+    if (only_shows(o)) return 0;
+  }
+  check_archive(o.what, o.archive);
   o.what.limits = {0.01 * o.limit, 0.01 * o.drift_limit};
   const OutputFolder page_folder = check_outputs(o.common);
   const OutputFolder archive_folder(o.archive);

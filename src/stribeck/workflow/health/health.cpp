@@ -315,7 +315,7 @@ std::string quoted(const std::string& word) {
 
 }  // namespace
 
-void check_health_options(const HealthOptions& o, const std::string& archive) {
+void check_health_options(const HealthOptions& o) {
   const bool adds = !o.logs.empty() || !o.circles.empty();
   if (!adds) {
     const LogOptions& l = o.log;
@@ -327,9 +327,6 @@ void check_health_options(const HealthOptions& o, const std::string& archive) {
           std::pair{!l.keep.empty(), "--keep"}}) {
       if (given) refuse_option(option, "goes with logs (without any, the trend of the archive is drawn)");
     }
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(archive, ignored))
-      refuse_option("--archive", archive + ": no such folder (give logs, which begin an archive)");
   }
   if (o.circles.empty() != o.size.empty())
     refuse_option(o.size.empty() ? "--size" : "--circle", o.size.empty()
@@ -337,11 +334,19 @@ void check_health_options(const HealthOptions& o, const std::string& archive) {
                                                               : "missing, but --size is given");
 }
 
+void check_archive(const HealthOptions& o, const std::string& archive) {
+  std::error_code ignored;
+  if (o.logs.empty() && o.circles.empty() && !std::filesystem::is_directory(archive, ignored))
+    refuse_option("--archive", archive + ": no such folder (give logs, which begin an archive)");
+}
+
 std::string before_first_test(const HealthOptions& o, const std::string& archive) {
   std::error_code ignored;
-  if (!o.logs.empty() || !o.circles.empty() || std::filesystem::is_directory(archive, ignored)) return {};
+  if (!o.logs.empty() || !o.circles.empty() || std::filesystem::exists(archive, ignored)) return {};
   const MachineDescription machine = read_description(o.machine);
-  std::string out = "The motion of the first test is that of all later ones. These commands design it:\n";
+  std::string out =
+      archive +
+      " is not there yet. The motion of the first test is that of all later ones. These commands design it:\n";
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     for (const std::string& one : motion_commands(o.machine, machine, i, turn_of(o, machine.axes[i].second)))
       out += "  " + one + '\n';

@@ -29,8 +29,11 @@ struct HealthOptions {
   ident::health::Limits limits;
 };
 
-/// Refuses options that do not go together, and an archive that is not there without logs to begin one.
-void check_health_options(const HealthOptions& options, const std::string& archive);
+/// Refuses options that do not go together.
+void check_health_options(const HealthOptions& options);
+
+/// Refuses an archive that is not there, without logs to begin one.
+void check_archive(const HealthOptions& options, const std::string& archive);
 
 /// What to record for the first test, with the commands that design it, where no archive is there and no log begins one; else empty.
 std::string before_first_test(const HealthOptions& options, const std::string& archive);
