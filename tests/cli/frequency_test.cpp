@@ -1,6 +1,7 @@
 // The frequency response of a virtual axis, through files only: excite, simulate, frequency.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stribeck/io/file.hpp>
@@ -124,6 +125,67 @@ TEST(Frequency, WhatContradictsTheMachineFileIsSaidFirst) {
   const Said period = command({"frequency", kMachine, f / "log.csv", "--period", "2.003 s"});
   EXPECT_EQ(period.code, 1);
   EXPECT_THAT(period.err, HasSubstr("fit into its strokes, expected 3 or more (leave the period out"));
+}
+
+/// Every `n`th row of a log.
+std::string every_nth_row(const std::string& log, int n) {
+  std::string out;
+  int row = 0;
+  for (std::size_t at = 0; at < log.size();) {
+    const std::size_t end = std::min(log.find('\n', at), log.size());
+    const bool is_row = log[at] >= '0' && log[at] <= '9';
+    if (!is_row || row++ % n == 0) out += log.substr(at, end - at) + "\n";
+    at = end + 1;
+  }
+  return out;
+}
+
+// Every fourth row of a good log: its lines came back folded, with "first resonance 13.5 Hz" of a machine that has none there.
+TEST(Frequency, ALogThatFoldsItsLinesIsRefusedWithTheCause) {
+  Folder f;
+  const auto log_of = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"excite", kMachine, "--method", "multisine",
+                                   "--axis", "x",      "-o",       f / "m.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    ASSERT_EQ(command(words).code, 0);
+    ASSERT_EQ(command({"simulate", kMachine, "--reference", f / "m.csv", "--axis", "x", "-o", f / name}).code,
+              0);
+    io::write_atomically(f / name, every_nth_row(text_of(f / name), 2));
+  };
+  log_of("folded.csv", {});
+  const Said folded = command({"frequency", kMachine, f / "folded.csv", "--axis", "x"});
+  EXPECT_EQ(folded.code, 2);
+  EXPECT_THAT(folded.err, AllOf(HasSubstr("rows are 10 ms apart"), HasSubstr("expected rows every 5 ms"),
+                                HasSubstr("50 Hz, half the row rate"), HasSubstr("record every period")));
+  EXPECT_EQ(folded.out.find("The loop may go"), std::string::npos);
+  // Lines below half of the slower rate are as good as before.
+  log_of("slow.csv", {"--highest", "12 Hz"});
+  const Said slow = command({"frequency", kMachine, f / "slow.csv", "--axis", "x", "--json", f / "f.json"});
+  ASSERT_EQ(slow.code, 0) << slow.err;
+  EXPECT_THAT(slow.out + slow.err, HasSubstr("rows of the log are 10 ms apart"));
+  EXPECT_NEAR(nlohmann::json::parse(text_of(f / "f.json"))["axes"][0]["mass_kg"]["value"], 57650.0,
+              0.03 * 57650.0);
+}
+
+TEST(Frequency, GainsThatTheMachineFileDoesNotHoldAreCalledProposed) {
+  Folder f;
+  ASSERT_EQ(command({"excite", kMachine, "--method", "multisine", "--axis", "x", "-o", f / "m.csv"}).code, 0);
+  ASSERT_EQ(
+      command({"simulate", kMachine, "--reference", f / "m.csv", "--axis", "x", "-o", f / "log.csv"}).code,
+      0);
+  std::string text = text_of(kMachine);
+  EXPECT_THAT(command({"frequency", kMachine, f / "log.csv", "--axis", "x"}).out,
+              HasSubstr("The present ω = 40.0 rad/s of the machine file has"));
+  for (auto at = text.find("\nomega = "); at != std::string::npos; at = text.find("\nomega = ", at))
+    text.erase(at + 1, text.find('\n', at + 1) - at);
+  io::write_atomically(f / "without.toml", text);
+  const Said said = command({"frequency", f / "without.toml", f / "log.csv", "--axis", "x"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(
+      said.out,
+      HasSubstr(
+          "that the program proposes for recording, because the machine file has no commissioning.omega"));
+  EXPECT_EQ(said.out.find("The present"), std::string::npos);
 }
 
 TEST(Frequency, OfALogWithoutExcitationIsRefusedWithTheCure) {

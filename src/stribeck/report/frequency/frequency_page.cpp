@@ -127,7 +127,8 @@ struct Drawn {
 std::vector<Drawn> drawn_loops(const FrequencyAxis& a) {
   std::vector<Drawn> out;
   if (a.present)
-    out.push_back({fmt::format("present, ω = {}", significant(a.present->omega, 3)),
+    out.push_back({fmt::format("{}, ω = {}", a.present_is_proposed ? "for recording" : "present",
+                               significant(a.present->omega, 3)),
                    sim::measured_loop(a.plant, *a.present), "#7a7a7a", true});
   const double mass = a.fit.mass.value;
   if (a.proposed.omega > 0.0)

@@ -34,6 +34,7 @@ struct FrequencyAxis {
   bool resonance_limits = false;  ///< what a faster loop violates first lies at the resonance
   std::optional<sim::LoopProposal> with_notch{};
   std::optional<sim::MeasuredGains> present{};  ///< of the machine file
+  bool present_is_proposed = false;  ///< the machine file holds no ω: its default is what `present` has
   sim::MeasuredMargins present_margins{};
   std::vector<std::string> warnings{};
 };

@@ -123,8 +123,15 @@ std::vector<std::string> answer_of(const FrequencyAxis& a) {
   std::vector<std::string> out{proposal_in_words(a)};
   out.push_back(resonance_in_words(a));
   if (a.present) {
-    out.push_back(fmt::format("The present ω = {} rad/s of the machine file has: {}",
-                              significant(a.present->omega, 3), margins_in_words(a.present_margins)));
+    const std::string omega = significant(a.present->omega, 3);
+    const std::string margins = margins_in_words(a.present_margins);
+    out.push_back(
+        a.present_is_proposed
+            ? fmt::format(
+                  "The ω = {} rad/s that the program proposes for recording, because the machine file has no "
+                  "commissioning.omega, has: {}",
+                  omega, margins)
+            : fmt::format("The present ω = {} rad/s of the machine file has: {}", omega, margins));
     if (!a.present_margins.inside) out.back() += ", as far as the lines reach";
   }
   if (const std::string notch = notch_in_words(a); !notch.empty()) out.push_back(notch);
@@ -206,7 +213,9 @@ Table loop_table(const FrequencyAxis& a) {
                       {decimals(m.crossover / kPerTurn, 1)},
                       {notch}});
   };
-  if (a.present) row("present", a.present->omega, a.present_margins, {});
+  if (a.present)
+    row(a.present_is_proposed ? "proposed for recording" : "present", a.present->omega, a.present_margins,
+        {});
   if (a.proposed.omega > 0.0) row("proposed", a.proposed.omega, a.proposed.margins, {});
   if (a.with_notch)
     row("proposed with a notch", a.with_notch->omega, a.with_notch->margins, a.with_notch->notch);

@@ -5,6 +5,8 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/error.hpp>
 #include <stribeck/workflow/frequency/frequency.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -17,6 +19,9 @@ constexpr double kClose = 1.005;  ///< ratio of neighbouring points between line
 constexpr double kDrift = 0.05;   ///< of a resonance, by workpiece and place
 constexpr double kMisses = 2.0;   ///< a fit that leaves more than this times the noise deserves a warning
 constexpr double kFewUnits = 6.0;
+constexpr double kSamePeriod = 0.01;  ///< by which rows and control period may differ
+constexpr double kNearHalfRate =
+    0.9;  ///< of half the row rate: lines up to there are folded ones, or cannot be told from them
 
 /// Lines that are determined; between them the fit, bent to meet them.
 sim::MeasuredPlant dense_plant(const ident::frequency::Response& response,
@@ -62,6 +67,45 @@ double add_hold(const ident::frequency::PlantFit& fit, sim::MeasuredPlant& plant
   return missing;
 }
 
+/// Highest frequency at which the log is excited [rad/s]. Without a period every frequency has a line, also where nothing excites it.
+double highest_excited(const ident::frequency::Response& r) {
+  return r.period && !r.lines.empty() ? r.lines.back().omega : r.highest();
+}
+
+bool reaches_half_rate(const ident::frequency::Response& r) {
+  return highest_excited(r) > kNearHalfRate * kPi / r.sample_time;
+}
+
+/// Of a log that is slower than the control period, which folds the lines above half its row rate onto those below: no fit can tell them apart.
+/// The excitation ends well below half of its own rate: where lines fill the whole band, they were made for faster rows.
+void refuse_folded(const AxisRecords& axis, const ident::frequency::Response& r,
+                   const MachineDescription& machine) {
+  if (!reaches_half_rate(r)) return;
+  throw io::InputError(
+      {axis.sources, 0, "t",
+       fmt::format(
+           "rows are {:.4g} ms apart and excited up to {:.3g} Hz, expected rows every {:.4g} ms, the control period of {}, or "
+           "lines well below {:.4g} Hz, half the row rate: lines above it fold onto the others (record every period)",
+           1e3 * r.sample_time, highest_excited(r) / (2.0 * kPi), 1e3 * machine.sample_time, machine.name,
+           0.5 / r.sample_time)});
+}
+
+ident::frequency::Response estimate_of(const AxisRecords& axis, const ident::frequency::ResponseOptions& how,
+                                       const MachineDescription* machine) {
+  const double period = machine == nullptr ? 0.0 : machine->sample_time;
+  const auto slower = [&](double rows) { return period > 0.0 && rows > (1.0 + kSamePeriod) * period; };
+  try {
+    ident::frequency::Response r = ident::frequency::estimate(axis.records, how);
+    if (slower(r.sample_time)) refuse_folded(axis, r, *machine);
+    return r;
+  } catch (const ident::Refused& e) {
+    if (axis.records.empty() || !slower(axis.records.front().sample_time)) throw;
+    throw ident::Refused(fmt::format(
+        "{}; rows are {:.4g} ms apart, the control period of {} is {:.4g} ms (record every period)", e.what(),
+        1e3 * axis.records.front().sample_time, machine->name, 1e3 * period));
+  }
+}
+
 /// Whether the rule is violated first near resonance and anti-resonance.
 bool limited_by_resonance(const report::FrequencyAxis& a) {
   if (!a.fit.resonance || a.proposed.limit == sim::LoopLimit::kMeasured) return false;
@@ -79,6 +123,11 @@ std::vector<std::string> warnings_of(const report::FrequencyAxis& a) {
         "the model misses the lines by {} times their noise: there is more in them than its structure has (look at "
         "the picture); the intervals are widened by that",
         ident::digits(a.fit.excess, 2)));
+  if (a.fit.excess > kMisses && r.period && reaches_half_rate(r))
+    out.push_back(fmt::format(
+        "the lines reach {:.3g} Hz, half the row rate is {:.4g} Hz: if the control is faster than the rows of the log, lines above it are "
+        "folded onto the others, and no number here holds (record every control period)",
+        highest_excited(r) / (2.0 * kPi), 0.5 / r.sample_time));
   const auto unsure = std::count_if(r.lines.begin(), r.lines.end(),
                                     [](const ident::frequency::Line& l) { return !l.determined(); });
   if (unsure > 0)
@@ -96,16 +145,20 @@ std::vector<std::string> warnings_of(const report::FrequencyAxis& a) {
   return out;
 }
 
-std::optional<sim::MeasuredGains> present_gains(const MachineDescription& machine, const std::string& axis) {
+/// Gains of the loop that the machine file describes, and their margins on the measured plant.
+void add_present(const MachineDescription& machine, const std::string& axis, report::FrequencyAxis& out) {
   for (const auto& [name, a] : as_machine(machine).axes) {
-    if (name == axis) return sim::MeasuredGains{a.commissioning.mass, a.commissioning.omega, {}};
+    if (name != axis) continue;
+    out.present = sim::MeasuredGains{a.commissioning.mass, a.commissioning.omega, {}};
+    out.present_margins = sim::measured_margins(out.plant, *out.present);
   }
-  return std::nullopt;
+  for (const auto& [name, a] : machine.axes) {
+    if (name == axis) out.present_is_proposed = !a.commissioning.omega;
+  }
 }
 
 /// What the log and the machine file say against each other. Margins of the gains in the file would then be those of another loop: they are not given.
 void doubt_present(const MachineDescription& machine, const LogsOfAxis& logs, report::FrequencyAxis& a) {
-  constexpr double kSamePeriod = 0.01;
   std::vector<std::string> doubts = logs.notes;
   if (std::abs(a.response.sample_time / machine.sample_time - 1.0) > kSamePeriod) {
     doubts.push_back(fmt::format("rows of the log are {:.4g} ms apart, the control period of {} is {:.4g} ms",
@@ -126,7 +179,7 @@ void doubt_present(const MachineDescription& machine, const LogsOfAxis& logs, re
 }  // namespace
 
 report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptions& options,
-                                   const std::optional<sim::MeasuredGains>& present) {
+                                   const MachineDescription* machine) {
   report::FrequencyAxis out;
   out.name = axis.axis;
   out.sources = axis.sources;
@@ -136,7 +189,7 @@ report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptio
   ident::frequency::ResponseOptions how;
   if (!options.period.empty())
     how.period = option_si("--period", options.period, quantity("s", "s").positive());
-  out.response = ident::frequency::estimate(axis.records, how);
+  out.response = estimate_of(axis, how, machine);
   out.fit = ident::frequency::fit_plant(out.response);
   out.plant = dense_plant(out.response, out.fit.plant);
   const double missing = add_hold(out.fit, out.plant);
@@ -147,10 +200,7 @@ report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptio
   if (out.resonance_limits)
     out.with_notch =
         sim::propose_notch(out.plant, mass, out.rule, out.fit.resonance->value, kDrift, out.proposed.omega);
-  if (present && out.units.physical()) {
-    out.present = present;
-    out.present_margins = sim::measured_margins(out.plant, *present);
-  }
+  if (machine != nullptr && out.units.physical()) add_present(*machine, axis.axis, out);
   out.warnings = warnings_of(out);
   if (missing > 0.0)
     out.warnings.insert(
@@ -168,15 +218,14 @@ report::FrequencyReportInput frequency_of_logs(const std::vector<std::string>& f
                                                const FrequencyOptions& options) {
   report::FrequencyReportInput out;
   if (!files.front().ends_with(".toml")) {
-    out.axes.push_back(frequency_of(read_axis(files, log), options, std::nullopt));
+    out.axes.push_back(frequency_of(read_axis(files, log), options, nullptr));
     return out;
   }
   const MachineDescription machine = read_description(files.front());
   const std::vector<std::string> logs(files.begin() + 1, files.end());
   if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
   for (const LogsOfAxis& one : logs_by_axis(machine, logs, log)) {
-    out.axes.push_back(
-        frequency_of(read_axis(one.logs, one.options), options, present_gains(machine, one.axis)));
+    out.axes.push_back(frequency_of(read_axis(one.logs, one.options), options, &machine));
     doubt_present(machine, one, out.axes.back());
   }
   if (out.axes.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log.axis));

@@ -19,9 +19,9 @@ struct FrequencyOptions {
   double gain_margin = 6.0;    ///< [dB]
 };
 
-/// Of one axis; `present`: the gains that its loop has.
+/// Of one axis; `machine`: the file that describes it, null: none. Refuses a log that is slower than the control period and folds lines.
 report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptions& options,
-                                   const std::optional<sim::MeasuredGains>& present);
+                                   const MachineDescription* machine);
 
 /// Of one axis from `files`, or with a machine file first of each of its axes that the logs are of.
 report::FrequencyReportInput frequency_of_logs(const std::vector<std::string>& files, const LogOptions& log,
