@@ -196,6 +196,8 @@ Jump jump_of(const Beside& b, double scatter, double slope_prior) {
 Jump best_jump(const Beside& all, double scatter, double scale) {
   constexpr double kYear = 2.0 * kPi / 365.25;  // [1/day]
   const double slope = kSeasonSlope * scale;
+  // Tests that are alike to the last digit have no scatter.
+  scatter = std::max(scatter, 1e-9 * scale);
   Jump best{0.0, std::numeric_limits<double>::infinity()};
   for (std::size_t most = kBeside; most >= kFewBeside; --most) {
     const Beside b = all.nearest(most);
