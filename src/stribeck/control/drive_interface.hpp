@@ -20,7 +20,7 @@
 /// A drive at its force limit does not follow. Its set point must not run away from it: it stays within what the drive answers with twice
 /// that force, and the lag that its loop may have besides,
 ///
-///   |x_m − x| ≤ 2·U_max/(K·K_v) + |ẋ_r|·(τ + 1/K_v + 5 T)
+///   |x_m − x| ≤ 2·U_max/(K·K_v) + λ·|ẋ_r| + λ²·|ẍ_r|        λ = τ + 1/K_v + 5 T, the second part remembered for about λ
 ///
 /// and v_m goes with it. Both are changed by what a period of saturation can add to them at most, so that a single wild sample moves little.
 ///
@@ -50,6 +50,7 @@ class DriveCommand {
     double position = 0.0;  ///< x_m [m]
     double velocity = 0.0;  ///< v_m [m/s]
     double last = 0.0;      ///< x_m a period before [m]
+    double lag = 0.0;       ///< by which a sound table may be behind x_m [m]
     /// Set point that the drive holds from before a reset: x_m begins there where it is near the motion; NaN: none [m].
     double resumed = std::numeric_limits<double>::quiet_NaN();
     bool started = false;
@@ -79,6 +80,7 @@ class DriveCommand {
       fast_ = kAnswer * limit / loop.gain;
       far_ = fast_ / *loop.position_gain;
       late_ = delay + 1.0 / *loop.position_gain + kPeriodsOfDrive * period;
+      fading_ = exp(-period / late_);
       most_change_ = kAnswer * limit / mass * period;
     }
   }
@@ -166,7 +168,9 @@ class DriveCommand {
 
   /// The set point of a drive that takes a position, near the encoder.
   void hold(State& s, const Start& now) const noexcept {
-    const double most = far_ + late_ * abs(now.velocity);
+    // At a reversal, and where a motion has just ended, the table still comes.
+    s.lag = max_of(late_ * (abs(now.velocity) + late_ * abs(now.acceleration)), fading_ * s.lag);
+    const double most = far_ + s.lag;
     const double step = period_ * (abs(s.velocity) + fast_);
     const double near = clamp_to(s.position, now.position - most, now.position + most);
     if (near == s.position) return;
@@ -184,8 +188,9 @@ class DriveCommand {
   double follow_ = 1.0;         ///< share by which δ follows in a period
   double fast_ = std::numeric_limits<
       double>::infinity();  ///< speed that the drive answers with kAnswer times its force [m/s]
-  double far_ = std::numeric_limits<double>::infinity();          ///< and distance [m]
-  double late_ = 0.0;                                             ///< of the table behind the set point [s]
+  double far_ = std::numeric_limits<double>::infinity();  ///< and distance [m]
+  double late_ = 0.0;                                     ///< of the table behind the set point [s]
+  double fading_ = 0.0;                                   ///< share of State::lag that is left after a period
   double most_change_ = std::numeric_limits<double>::infinity();  ///< of v_m in a period [m/s]
 };
 
