@@ -8,6 +8,7 @@
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/plot/svg_cleaner.hpp>
+#include <stribeck/report/plot/svg_numbers.hpp>
 #include <stribeck/report/text.hpp>
 #include <system_error>
 #include <utility>
@@ -23,14 +24,11 @@ std::string compact_path(std::string_view d) {
   std::array<long, 2> at{};
   char last = 0;
   const auto number = [&](long tenths, bool first) {
-    if (tenths < 0) {
-      out += '-';
-    } else if (!first) {
-      out += ' ';
+    if (first) {
+      out += of_tenths(tenths);
+    } else {
+      append_tenths(out, tenths);
     }
-    const long size = std::abs(tenths);
-    if (size >= 10 || size == 0) out += std::to_string(size / 10);
-    if (size % 10 != 0) (out += '.') += static_cast<char>('0' + size % 10);
   };
   for (std::size_t i = 0; i < d.size();) {
     const char c = d[i];

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <stribeck/report/plot/svg_numbers.hpp>
 #include <stribeck/report/plot/svg_squeeze.hpp>
 #include <string_view>
 #include <system_error>
@@ -154,18 +155,6 @@ std::optional<long> take_tenths(std::string_view& text) {
   if (error != std::errc() || !(std::abs(value) < 1e6)) return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return std::lround(10.0 * value);
-}
-std::string of_tenths(long tenths) {
-  std::string out = tenths < 0 ? "-" : "";
-  const long size = std::abs(tenths);
-  if (size >= 10 || size == 0) out += std::to_string(size / 10);
-  if (size % 10 != 0) (out += '.') += static_cast<char>('0' + size % 10);
-  return out;
-}
-/// A number of a path: the sign separates it from the one before.
-void append_tenths(std::string& out, long tenths) {
-  if (tenths >= 0) out += ' ';
-  out += of_tenths(tenths);
 }
 
 /// "83.55,232.00 101.47,232.00 …" as one closed stretch of a path.
