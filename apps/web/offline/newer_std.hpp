@@ -45,6 +45,15 @@ inline from_chars_result from_chars(const char* first, const char* last, double&
   return {read.ptr, read.ec};
 }
 
+inline from_chars_result from_chars(const char* first, const char* last, double& value, chars_format format) {
+  const auto read =
+      fast_float::from_chars(first, last, value,
+                             format == chars_format::fixed        ? fast_float::chars_format::fixed
+                             : format == chars_format::scientific ? fast_float::chars_format::scientific
+                                                                  : fast_float::chars_format::general);
+  return {read.ptr, read.ec};
+}
+
 inline to_chars_result to_chars(char* first, char* last, double x, chars_format format, int precision) {
   const auto room = static_cast<size_t>(last - first);
   const char* const pattern = format == chars_format::scientific ? "%.*e" : "%.*g";
