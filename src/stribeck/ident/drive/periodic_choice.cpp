@@ -193,6 +193,10 @@ map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, con
     out.x.push_back(motion_of(log, rows, i).x[rows.at[i]]);
     out.e.push_back(e);
     out.direction.push_back(s == 0 ? 1 : -1);
+    const log::Motion& motion = motion_of(log, rows, i);
+    if (out.passed == nullptr) out.passed = log::passed_by(motion);
+    const double cut_off = log::cut_off_of(motion);
+    out.blur.push_back(cut_off > 0.0 ? speed / cut_off : 0.0);
   }
   out.record = rows.record;
   out.at = rows.at;

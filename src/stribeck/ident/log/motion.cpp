@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/log/motion.hpp>
@@ -14,6 +16,7 @@ namespace {
 /// Largest allowed share of noise in the spread of the acceleration.
 constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 40;
+constexpr double kBoxesHalfPower = 0.2619;  ///< share of the rows of a box: (sin πy / πy)³ = 1/√2
 constexpr double kHysteresis = 10.0;
 /// Boxes of the instrument, for a window of j.
 constexpr int calmer(int j) { return 2 * j + 2; }
@@ -166,6 +169,22 @@ double position_noise(const std::vector<double>& x) {
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column) {
   if (!(motion.cut_off > 0.0)) return smooth(column, motion.window);
   return forward_backward(butterworth(4, motion.cut_off * 2.0 * motion.sample_time), column);
+}
+
+double cut_off_of(const Motion& motion) {
+  if (motion.cut_off > 0.0) return motion.cut_off;
+  if (motion.window == 0) return std::numeric_limits<double>::quiet_NaN();
+  return kBoxesHalfPower / ((2.0 * motion.window + 1.0) * motion.sample_time);
+}
+
+Passed passed_by(const Motion& motion) {
+  if (motion.cut_off > 0.0) return [](double ratio) { return 1.0 / (1.0 + std::pow(ratio, 8.0)); };
+  if (motion.window == 0) return nullptr;
+  return [](double ratio) {
+    const double angle = kPi * kBoxesHalfPower * ratio;
+    if (!(angle > 0.0)) return 1.0;
+    return angle < kPi ? std::pow(std::sin(angle) / angle, 3.0) : 0.0;
+  };
 }
 
 std::vector<double> align_force(const std::vector<double>& f, double shift) {

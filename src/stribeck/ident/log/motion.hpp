@@ -87,6 +87,14 @@ void align_force(const std::vector<double>& f, double shift, std::size_t from, s
 /// Passes another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);
 
+/// Frequency at which the window leaves 1/√2 of an amplitude, for the Butterworth filter, which runs both ways, one half [Hz]; NaN: no window.
+double cut_off_of(const Motion& motion);
+
+/// Share of an amplitude that a low-pass leaves, `ratio` the frequency divided by cut_off_of().
+using Passed = double (*)(double ratio);
+/// That of the motion's window; null: no window.
+Passed passed_by(const Motion& motion);
+
 /// Velocity behind a second window, of boxes twice as long [m/s]: it has little of the noise of the motion. Near the ends of the record,
 /// where that window does not fit, v.
 std::vector<double> calm_velocity(const Motion& motion);

@@ -29,14 +29,14 @@ bool add_second(const Data& data, const FrequencyGrid& grid, const PeriodicOptio
   return stands(data, grid, left, more[more.size() - 2]) && stands(data, grid, left, more.back());
 }
 
-/// Adds one term after the other, each refined together with those before it; `left` is their residual.
+/// Adds one term after the other, each refined together with those before it; `left` is their residual, `rejected` has the frequencies
+/// of those that were tried and do not count.
 std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, const PeriodicOptions& options,
-                               Residual& left) {
+                               Residual& left, std::vector<double>& rejected) {
   constexpr int kPairs = 6;  // tries with a second term beside the first one
   std::vector<Line> found;
   std::vector<Line> guess;
   double most_power = 0.0;
-  std::vector<double> rejected;
   bool any = true;
   for (int tries = 0; tries < kTries && static_cast<int>(found.size()) < options.most; ++tries) {
     const auto line = strongest(data, grid, left, options, found, rejected, any);
@@ -96,7 +96,8 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   left.e = data.e;
   spectrum(data, grid, left);
   write_spectrum(grid, left, result);
-  std::vector<Line> found = search_lines(data, grid, options, left);
+  std::vector<double> rejected;
+  std::vector<Line> found = search_lines(data, grid, options, left, rejected);
   if (found.empty()) {
     report_none(data, result);
     return result;
@@ -105,6 +106,7 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   hold_known(data, options, found, left);
   spectrum(data, grid, left);
   report(data, grid, left, options, found, result);
+  note_rejected(data, grid, left, found, rejected, result);
   return result;
 }
 

@@ -7,6 +7,7 @@
 ///
 /// 1. Neighbouring rows are averaged. From each pass (a stretch of one direction) a polynomial in x, at most cubic, is
 ///    removed; its ends, where reversals still act, get a lower weight.
+///    A row of a log behind a low-pass shows a period as far as that leaves it at its speed, and counts for it that far.
 /// 2. The least-squares spectrum is computed for both forms: the same sign in both directions (additive), or a sign that
 ///    changes with the direction (proportional).
 /// 3. The strongest line is tried as a term. It counts when it stands out of the background at neighbouring periods
@@ -23,6 +24,7 @@
 
 #include <cstddef>
 #include <stribeck/friction/eccentric.hpp>
+#include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <string>
@@ -37,7 +39,10 @@ struct PeriodicRows {
   std::vector<int> direction;   ///< +1, −1; 0 everywhere: held at standstill
   std::vector<int> record;      ///< number of the record
   std::vector<std::size_t> at;  ///< row in the record
-  Shown shown = {};             ///< units for sentences
+  /// Travel in one period of the cut-off of the log's low-pass, |v|/f_c [m]; empty: no low-pass.
+  std::vector<double> blur = {};
+  log::Passed passed = nullptr;  ///< what that low-pass leaves of an amplitude
+  Shown shown = {};              ///< units for sentences
 };
 
 struct PeriodicTerm {

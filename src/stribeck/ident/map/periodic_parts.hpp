@@ -32,6 +32,7 @@ struct Group {
   double x = 0.0;       ///< mean
   double spread = 0.0;  ///< variance of x inside the group
   double e = 0.0;       ///< mean
+  double blur = 0.0;    ///< mean [m]
   double weight = 0.0;  ///< rows, tapered
   double sign = 1.0;    ///< −1 for backward motion
 };
@@ -62,6 +63,7 @@ struct Data {
   bool both = false;      ///< the rows have both directions
   bool standstill = false;
   Shown shown = {};
+  log::Passed passed = nullptr;  ///< as in PeriodicRows
   std::vector<Group> groups;
   std::vector<Pass> passes;
   VectorXd root;       ///< square roots of the weights
@@ -115,14 +117,15 @@ std::pair<double, double> local(const Data& data, const FrequencyGrid& grid, con
 bool stands(const Data& data, const FrequencyGrid& grid, const Residual& left, const Line& line);
 
 // periodic_fit.cpp
-/// Share of the amplitude that remains in the mean of a group.
-double damping(const Group& group, double f);
+/// Share of the amplitude that remains in the mean of a group; 0 where the low-pass of the log leaves next to nothing.
+double damping(const Data& data, const Group& group, double f);
 /// Weighted, projected columns sin, cos and, with amplitudes, ∂/∂f of a term.
 void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool slope);
 /// Fits all terms together, with the periods that are not exact; false when one diverges. Writes the residual into `e`.
 bool refine(const Data& data, double tolerance, std::vector<Line>& lines, VectorXd& e);
-/// A known period has no column of its own: makes row and column of that unknown those of a unit matrix.
-void hold_exact(const std::vector<Line>& lines, MatrixXd& gram);
+/// A known period has no column of its own: makes row and column of that unknown those of a unit matrix. The period of line j is the unknown
+/// first + j·stride.
+void hold_exact(const std::vector<Line>& lines, MatrixXd& gram, Index first, Index stride);
 
 // periodic_result.cpp
 /// The spectrum in at most 400 lines, each the largest of its neighbourhood.
@@ -130,6 +133,10 @@ void write_spectrum(const FrequencyGrid& grid, const Residual& left, PeriodicRes
 /// Terms with intervals; `left` is their residual.
 void report(const Data& data, const FrequencyGrid& grid, const Residual& left, const PeriodicOptions& options,
             const std::vector<Line>& found, PeriodicResult& result);
+/// A line that does not count, but is stronger than all terms that do.
+void note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
+                   const std::vector<Line>& found, const std::vector<double>& rejected,
+                   PeriodicResult& result);
 /// What rows that show no term leave undetermined.
 void report_none(const Data& data, PeriodicResult& result);
 

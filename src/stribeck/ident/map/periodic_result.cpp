@@ -168,7 +168,7 @@ void report(const Data& data, const FrequencyGrid& grid, const Residual& left, c
   for (Index j = 0; j < count; ++j)
     columns(data, found[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), true);
   MatrixXd gram = stats::gram(X);
-  hold_exact(found, gram);
+  hold_exact(found, gram, 2, 3);
   const VectorXd scale = gram.diagonal().cwiseSqrt();
   const MatrixXd inverse = stats::inverse(scale.asDiagonal().inverse() * gram * scale.asDiagonal().inverse());
   for (Index j = 0; j < count; ++j) {
@@ -195,6 +195,30 @@ void report(const Data& data, const FrequencyGrid& grid, const Residual& left, c
         "periodic terms: one period has a part that keeps its sign and one that reverses with the "
         "direction; a delay between force and position looks the same");
   }
+}
+
+void note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
+                   const std::vector<Line>& found, const std::vector<double>& rejected,
+                   PeriodicResult& result) {
+  double most = 0.0;
+  MatrixXd B(static_cast<Index>(data.groups.size()), 2);
+  for (const Line& line : found) {
+    columns(data, line, B, false);
+    most = std::max(most, (line.a * B.col(0) + line.b * B.col(1)).squaredNorm());
+  }
+  double f = 0.0, amplitude = 0.0;
+  for (const double other : rejected) {
+    const auto j = std::min(grid.highest, static_cast<std::size_t>(std::lround(other / grid.step)));
+    for (const Form form : {kSame, kReversing}) {
+      if (left.power[form].empty() || !(left.power[form][j] > most)) continue;
+      most = left.power[form][j], f = other, amplitude = left.amplitude[form][j];
+    }
+  }
+  if (!(f > 0.0)) return;
+  result.cannot_tell.push_back(fmt::format(
+      "whether a force of about {} repeats every {}: it is stronger in the residual than the periodic "
+      "terms found, but the passes do not agree on it; add slow strokes at constant speed",
+      data.shown.force(amplitude), data.shown.length(1.0 / f)));
 }
 
 void report_none(const Data& data, PeriodicResult& result) {

@@ -17,7 +17,8 @@ constexpr double kGroupSpan = 1.0 / 6.0;  ///< share of the shortest period: tra
 /// Longer logs are searched for longer periods only; a million rows take 0.2 s.
 constexpr double kMostGroups = 1.2e5;
 constexpr int kHighestOrder = 3;  ///< order of the polynomial that is removed from each pass
-constexpr double kTaper = 0.1;    ///< share of a pass at each end
+constexpr double kShortOfLongest = 1.0 / 3.0;
+constexpr double kTaper = 0.1;  ///< share of a pass at each end
 
 void check(const PeriodicRows& rows, const PeriodicOptions& options) {
   for (const double length : {options.shortest, options.longest, options.turn}) {
@@ -27,6 +28,9 @@ void check(const PeriodicRows& rows, const PeriodicOptions& options) {
     }
   }
   const std::size_t n = rows.x.size();
+  if (!rows.blur.empty() && rows.blur.size() != n) {
+    throw Refused(fmt::format("periodic terms: {} rows of blur, expected {} or none", rows.blur.size(), n));
+  }
   if (rows.e.size() != n || rows.direction.size() != n || rows.record.size() != n || rows.at.size() != n) {
     throw Refused(fmt::format("periodic terms: columns of {}, {}, {}, {} and {} rows, expected one length", n,
                               rows.e.size(), rows.direction.size(), rows.record.size(), rows.at.size()));
@@ -106,6 +110,13 @@ bool measure(const PeriodicRows& rows, const PeriodicOptions& options, Data& dat
                       : std::max({4.0 * stats::median(std::move(steps)), data.length / kMostPeriods,
                                   path / (kMostGroups * kGroupSpan)});
   data.longest = options.longest > 0.0 ? options.longest : data.length / 3.0;
+  if (rows.passed != nullptr && !rows.blur.empty()) {
+    data.passed = rows.passed;
+    // Periods that the low-pass leaves in nearly no row.
+    constexpr double kSlowest = 0.1;
+    const double blurred = std::min(stats::quantile(rows.blur, kSlowest), kShortOfLongest * data.longest);
+    if (!(options.shortest > 0.0)) data.shortest = std::max(data.shortest, blurred);
+  }
   if (!(data.longest > 1.5 * data.shortest)) {
     result.notes.push_back(
         fmt::format("periodic terms: the rows are {:g} apart on a travel of {:g}: no period lies between the "
@@ -128,11 +139,13 @@ bool join(const PeriodicRows& rows, Data& data, PeriodicResult& result) {
     double sum_x = 0.0;
     double sum_xx = 0.0;
     double sum_e = 0.0;
+    double sum_blur = 0.0;
     do {
       const double d = rows.x[i] - x0;
       sum_x += d;
       sum_xx += d * d;
       sum_e += rows.e[i];
+      if (data.passed != nullptr) sum_blur += rows.blur[i];
       ++i;
     } while (i < n && same_pass(rows, data, i) && std::abs(rows.x[i] - x0) < span);
     if (begin == 0 || !same_pass(rows, data, begin)) {
@@ -144,6 +157,7 @@ bool join(const PeriodicRows& rows, Data& data, PeriodicResult& result) {
     g.x = x0 + sum_x / count;
     g.spread = std::max(0.0, sum_xx / count - std::pow(sum_x / count, 2.0));
     g.e = sum_e / count;
+    g.blur = sum_blur / count;
     g.weight = count;
     g.sign = rows.direction[begin] < 0 ? -1.0 : 1.0;
     data.groups.push_back(g);

@@ -83,7 +83,7 @@ double taken_by_passes(const Data& data, const Line& line) {
   MatrixXd B(static_cast<Index>(data.groups.size()), 2);
   columns(data, line, B, false);
   double whole = 0.0;
-  for (const Group& g : data.groups) whole += g.weight * std::pow(damping(g, line.f), 2.0);
+  for (const Group& g : data.groups) whole += g.weight * std::pow(damping(data, g, line.f), 2.0);
   return whole / B.squaredNorm();
 }
 

@@ -353,6 +353,50 @@ TEST(Periodic, ALineBesideTheKnownPeriodHasItExactly) {
   EXPECT_GT(other.terms[0].period.high, other.terms[0].term.period);
 }
 
+// Two poles of a linear motor behind a low-pass of 21 Hz: fast strokes show 13.3 mm and nothing of 6.7 mm, so that they spoke against the
+// stronger of the two.
+TEST(Periodic, StrokesTooFastForTheLowPassDoNotSpeakAgainstATerm) {
+  PeriodicRows rows = strokes({.speeds = {0.02, 0.05, 0.25, 0.3, 0.35}, .length = 0.3, .noise = 0.5}, 4);
+  add(rows, 8.0, 6.667e-3, 0.4);
+  add(rows, 5.0, 13.333e-3, 1.1);
+  log::Motion motion;
+  motion.sample_time = 1e-3;
+  motion.window = 6;
+  rows.e = log::smooth_like(motion, rows.e);
+  for (std::size_t i = 0; i < rows.x.size(); ++i) {
+    const std::size_t next =
+        i + 1 < rows.x.size() && rows.direction[i + 1] == rows.direction[i] ? i + 1 : i - 1;
+    rows.blur.push_back(std::abs(rows.x[next] - rows.x[i]) / 1e-3 / log::cut_off_of(motion));
+  }
+  rows.passed = log::passed_by(motion);
+  const PeriodicResult r = find_periodic(rows);
+  ASSERT_EQ(r.terms.size(), 2u);
+  EXPECT_NEAR(r.terms[0].term.amplitude, 8.0, 0.15);
+  EXPECT_NEAR(r.terms[0].term.period, 6.667e-3, 2e-6);
+  EXPECT_NEAR(r.terms[1].term.amplitude, 5.0, 0.15);
+  EXPECT_TRUE(r.cannot_tell.empty());
+}
+
+// Shares of a sine's amplitude behind the window, against the amplitude that the window leaves.
+TEST(Periodic, WhatALowPassLeavesIsWhatTheWindowLeaves) {
+  for (const bool butterworth : {false, true}) {
+    log::Motion motion;
+    motion.sample_time = 1e-3;
+    if (butterworth) motion.cut_off = 30.0;
+    if (!butterworth) motion.window = 5;
+    const double cut_off = log::cut_off_of(motion);
+    EXPECT_NEAR(cut_off, butterworth ? 30.0 : 23.8, 0.1);
+    for (const double ratio : {0.1, 0.5, 1.0, 1.5, 2.0}) {
+      std::vector<double> sine;
+      for (int k = 0; k < 4000; ++k) sine.push_back(std::sin(2.0 * kPi * ratio * cut_off * 1e-3 * k));
+      const std::vector<double> left = log::smooth_like(motion, sine);
+      const double most = *std::max_element(left.begin() + 1500, left.begin() + 2500);
+      EXPECT_NEAR(log::passed_by(motion)(ratio), most, 0.015) << ratio;
+    }
+  }
+  EXPECT_EQ(log::passed_by(log::Motion{}), nullptr);
+}
+
 TEST(Periodic, RefusesWhatItCannotRead) {
   PeriodicRows rows = strokes({}, 1);
   rows.e[17] = std::numeric_limits<double>::quiet_NaN();

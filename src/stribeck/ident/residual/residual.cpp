@@ -23,14 +23,6 @@ constexpr double kLowRSquared = 0.9;
 constexpr double kWorthALine = 0.1;  // of friction
 constexpr double kHum = 0.006;       // of its frequency
 
-/// −3 dB of three boxes of 2j+1 rows [Hz].
-double cut_off_of(const log::Motion& m) {
-  if (m.cut_off > 0.0) return m.cut_off;
-  if (m.window == 0) return kNaN;
-  constexpr double kHalfPower = 0.2619;  // (sin πy / πy)³ = 1/√2
-  return kHalfPower / ((2.0 * m.window + 1.0) * m.sample_time);
-}
-
 struct Sums {
   double f = 0.0, ff = 0.0, ee = 0.0, raw = 0.0, friction = 0.0;
   std::size_t rows = 0;
@@ -158,7 +150,7 @@ std::optional<Collector> behind_noise(const std::vector<log::Record>& records, c
   smoothed.cut_off = 0.0;
   std::optional<Collector> out;
   out.emplace(records, smoothed);
-  if (out->left.empty() || !(cut_off_of(out->left.front().motion) < cut_off)) out.reset();
+  if (out->left.empty() || !(log::cut_off_of(out->left.front().motion) < cut_off)) out.reset();
   return out;
 }
 
@@ -240,7 +232,7 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   q.friction_rms = std::sqrt(s.friction / n);
   const double spread = s.ff - s.f * s.f / n;
   if (spread > 0.0) q.r_squared = 1.0 - s.ee / spread;
-  q.cut_off = cut_off_of(collected.left.front().motion);
+  q.cut_off = log::cut_off_of(collected.left.front().motion);
   find_lines(collected.left, std::isfinite(result.mass) ? result.mass : 0.0, q);
   judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
   std::optional<Collector> smoother = behind_noise(records, result, q.cut_off);
@@ -262,7 +254,7 @@ std::array<double, 2> both_leave(const LogsAndModel& a, const LogsAndModel& b) {
   const auto collect = [&](std::size_t i, const Result& result) {
     const Collector c(both[i]->records, result);
     rms[i] = c.sums.rows > 0 ? std::sqrt(c.sums.ee / static_cast<double>(c.sums.rows)) : kNaN;
-    cut_off[i] = c.left.empty() ? kNaN : cut_off_of(c.left.front().motion);
+    cut_off[i] = c.left.empty() ? kNaN : log::cut_off_of(c.left.front().motion);
     if (std::isnan(cut_off[i])) cut_off[i] = std::numeric_limits<double>::infinity();  // no low-pass
   };
   for (const std::size_t i : {0U, 1U}) collect(i, both[i]->result);

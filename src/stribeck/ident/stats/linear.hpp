@@ -13,6 +13,8 @@ namespace stribeck::ident::stats {
 
 /// XᵀX.
 Eigen::MatrixXd gram(const Eigen::MatrixXd& X);
+/// AᵀB.
+Eigen::MatrixXd cross(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& B);
 
 /// A·x = b for a symmetric positive A, of which only the lower triangle is read.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);

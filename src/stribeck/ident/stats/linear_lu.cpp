@@ -9,6 +9,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 MatrixXd gram(const MatrixXd& X) { return X.transpose() * X; }
+MatrixXd cross(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B) {
+  return A.transpose() * B;
+}
 
 VectorXd solve_ldlt(const MatrixXd& A, const VectorXd& b) { return A.ldlt().solve(b); }
 

@@ -53,6 +53,7 @@ TEST(Linear, OrthonormalColumnsSpanTheSameSpace) {
   const MatrixXd A = symmetric().leftCols(2);
   const MatrixXd Q = orthonormal_columns(A);
   EXPECT_LT((gram(Q) - MatrixXd::Identity(2, 2)).norm(), 1e-12);
+  EXPECT_LT((cross(Q.leftCols(1), 2.0 * Q) - Eigen::RowVector2d(2.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((Q * (Q.transpose() * A) - A).norm(), 1e-12);
 }
 
