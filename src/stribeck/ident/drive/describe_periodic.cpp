@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/friction/unbalance.hpp>
 #include <stribeck/ident/drive/describe.hpp>
@@ -7,6 +9,28 @@
 #include <vector>
 
 namespace stribeck::ident::drive {
+namespace {
+
+/// Middle of the travel that the records cover [m].
+double middle_of(const AlignedLog& log) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const log::Record& record : log.records) {
+    const auto [least, most] = std::minmax_element(record.x.begin(), record.x.end());
+    low = std::min(low, *least), high = std::max(high, *most);
+  }
+  return 0.5 * (low + high);
+}
+
+/// Half width of the interval of a phase at position zero: the rows tell it in the middle of their travel, and from there the period
+/// carries it.
+double carried(double half, const PeriodicColumns& term, double middle) {
+  const Interval& period = term.period_interval;
+  const double of_period = 0.5 * (period.high - period.low);
+  if (!std::isfinite(of_period)) return half;
+  return std::hypot(half, 2.0 * kPi * middle / (term.period * term.period) * of_period);
+}
+
+}  // namespace
 
 void add_periodic(Result& result, const Found& found, Notes& notes) {
   const std::vector<PeriodicColumns>& periodic = found.terms.periodic;
@@ -19,6 +43,7 @@ void add_periodic(Result& result, const Found& found, Notes& notes) {
                                  told && std::isfinite(interval.high)});
   };
   const std::string& force = result.force_unit;
+  const double middle = middle_of(found.log);
   std::vector<friction::Eccentric<double>> weight;
   for (std::size_t n = 0; n < periodic.size(); ++n) {
     const auto i = static_cast<Index>(found.terms.first_periodic() + 2 * n);
@@ -32,7 +57,8 @@ void add_periodic(Result& result, const Found& found, Notes& notes) {
     across(i + 1) = -s / (amplitude * amplitude);
     const double half = found.intervals.factor * found.intervals.error_of(along);
     const double turn = found.intervals.factor * found.intervals.error_of(across);
-    const Interval size{amplitude - half, amplitude + half}, angle{phase - turn, phase + turn};
+    const double at_zero = carried(turn, periodic[n], middle);
+    const Interval size{amplitude - half, amplitude + half}, angle{phase - at_zero, phase + at_zero};
     const bool told = turn < 0.5 * kPi;
     const friction::Eccentric<double> term{amplitude, periodic[n].period, phase, periodic[n].form};
     if (turns && friction::is_unbalance(term)) {
