@@ -188,6 +188,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
   BranchFit fit = fit_line(all, settings);
   for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
   double best = add(fit);
+  if (!options.terms && all.u.back() < kShapeRange * all.u.front()) return out;
   for (const Exponent exponent : {Exponent::kTwo, Exponent::kOne}) {
     if (options.terms) break;
     auto centred = fit_centred(all, settings, exponent);
@@ -444,6 +445,8 @@ std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
   for (const auto exponent :
        {std::optional<Exponent>(), std::optional(Exponent::kTwo), std::optional(Exponent::kOne)}) {
     if (all.speed.size() < (exponent ? 12u : 8u)) continue;
+    const auto [slowest, fastest] = std::minmax_element(all.speed.begin(), all.speed.end());
+    if (exponent && *fastest < kShapeRange * *slowest) continue;
     StaticFit fit = fit_symmetric(all, exponent);
     fit.top = top;
     const double highest = *std::max_element(all.force.begin(), all.force.end());

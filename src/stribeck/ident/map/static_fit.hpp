@@ -37,6 +37,9 @@ namespace stribeck::ident::map {
 /// of what is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
 constexpr double kMostForce = 1.3;
 
+/// Fastest bin of the slowest one: bins of a narrower range tell a level and a slope, no shape. A ripple of the drive would become one.
+constexpr double kShapeRange = 1.5;
+
 /// Sums over the rows of one block of motion, by bin; f against the motion.
 struct BlockSums {
   std::vector<double> n, v, f, ff;

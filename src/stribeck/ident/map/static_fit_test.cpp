@@ -12,15 +12,16 @@ namespace {
 
 using Family = StaticFit::Family;
 
-/// Sums of 5 blocks of 4000 rows in 60 bins up to 0.1 m/s; force(side, speed) against the motion, white noise [N].
-std::array<SideSums, kSides> sums_of(const std::function<double(int, double)>& force, double noise) {
+/// Sums of 5 blocks of 4000 rows in 60 bins from `slowest` up to 0.1 m/s; force(side, speed) against the motion, white noise [N].
+std::array<SideSums, kSides> sums_of(const std::function<double(int, double)>& force, double noise,
+                                     double slowest = 1e-3) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> normal(0.0, 1.0);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::array<SideSums, kSides> out;
   for (int s = 0; s < kSides; ++s) {
     SideSums& side = out[static_cast<std::size_t>(s)];
-    side.grid = {1e-3, 0.1, 60};
+    side.grid = {slowest, 0.1, 60};
     const std::vector<double> zero(60);
     side.block.assign(5, {zero, zero, zero, zero});
     for (BlockSums& block : side.block) {
@@ -271,6 +272,22 @@ TEST(StaticFit, GradientIsThatOfTheForce) {
       }
     }
   }
+}
+
+// Triangles reach one speed and little else: a ripple over it became two opposite Gaussians.
+TEST(StaticFit, ANarrowRangeOfSpeedsTellsNoShape) {
+  const auto ripple = [](int, double speed) { return viscous(0, speed) + 3.0 * std::sin(speed / 1e-3); };
+  const std::array<SideSums, kSides> narrow = sums_of(ripple, 0.2, 0.08);
+  for (const bool symmetric : {true, false}) {
+    StaticOptions options;
+    options.symmetric = symmetric;
+    const StaticChoice c = choose_static(narrow, options);
+    EXPECT_NE(c.fit.family, Family::kSymmetricStribeck);
+    for (const BranchFit& branch : c.fit.branch) EXPECT_TRUE(branch.terms.empty());
+    EXPECT_NEAR(c.fit.force(0, 0.09), viscous(0, 0.09), 3.0);
+  }
+  EXPECT_NE(choose_static(sums_of(ripple, 0.2), {}).fit.family,
+            Family::kSymmetric);  // of a wide range it does
 }
 
 TEST(StaticFit, AWidthMovesByHalfAtMost) {
