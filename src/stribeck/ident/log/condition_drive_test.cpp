@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/refused.hpp>
 
@@ -77,6 +78,31 @@ TEST(ConditionDrive, RowsInWhichTheAxisIsPushedAreCutOut) {
   EXPECT_NEAR(c.records[1].t.front(), to, 2.0 * s.period);
   // Left alone, they stay.
   EXPECT_EQ(found(condition(s.log, {.keep = {"drive-off"}}), "drive-off"), nullptr);
+}
+
+// A drive that reports its force in counts: at constant speed it keeps one value for long. It was cut out as a stuck channel.
+TEST(ConditionDrive, AForceInCountsMayStayAtConstantSpeed) {
+  const auto strokes = [](bool stuck) {
+    Strokes s;
+    for (int n = 0; n < 40; ++n) s.move(n % 2 == 0 ? 0.02 : -0.02, 0.5);
+    for (const double side : {1.0, -1.0}) {
+      double v = 0.0;
+      for (int k = 0; k < 900; ++k) {
+        const int into = k < 300 ? k : std::max(0, k - 600);
+        const double wave = k >= 300 && k < 600 ? 0.0 : std::pow(std::sin(kPi * into / 300.0), 2.0);
+        const double a = (k < 300 ? 0.5 : -0.5) * wave;
+        v += a * s.period;
+        s.at += side * v * s.period;
+        const bool held = stuck && k >= 250 && k < 600;
+        s.row(s.at,
+              held ? s.log.f.y.back() : side * (100.0 * a + 200.0 * v + 20.0) + 0.01 * s.normal(s.engine));
+      }
+    }
+    for (double& f : s.log.f.y) f = 0.2 * std::round(f / 0.2);
+    return condition(s.log);
+  };
+  EXPECT_EQ(found(strokes(false), "stuck"), nullptr);
+  EXPECT_NE(found(strokes(true), "stuck"), nullptr);
 }
 
 // All pieces between the pushes are too short: the rows stayed, though the note said that they were cut off.

@@ -139,7 +139,10 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
   if (same * 5 > rows) return tables;  // coarse or programmed: constant stretches are normal
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
+  double count = low;  // smallest step of the force
   for (const Table& m : tables) {
+    for (std::size_t k = 1; k < m.rows(); ++k)
+      if (m.f[k] != m.f[k - 1]) count = std::min(count, std::abs(m.f[k] - m.f[k - 1]));
     const auto [a, b] = std::minmax_element(m.f.begin(), m.f.end());
     low = std::min(low, *a);
     high = std::max(high, *b);
@@ -147,11 +150,17 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
   const auto shortest = static_cast<std::size_t>(50.0 * hold);
   // A programmed force rests between its ramps while the axis springs back; it changes in small steps before and after.
   constexpr double kSmallStep = 0.1;  // share of the whole range
-  const auto programmed = [&](const Table& m, std::size_t first, std::size_t last) {
-    const double step = kSmallStep * (high - low);
+  const auto within = [](const Table& m, std::size_t first, std::size_t last, double step) {
     const bool in = first == 0 || std::abs(m.f[first] - m.f[first - 1]) < step;
-    const bool out = last + 1 >= m.rows() || std::abs(m.f[last + 1] - m.f[last]) < step;
-    return in && out && quiet(m.f);
+    return in && (last + 1 >= m.rows() || std::abs(m.f[last + 1] - m.f[last]) < step);
+  };
+  const auto programmed = [&](const Table& m, std::size_t first, std::size_t last) {
+    return within(m, first, last, kSmallStep * (high - low)) && quiet(m.f);
+  };
+  // Coarse counts keep a force at constant speed; a channel that comes back has another one, by more than a count.
+  constexpr double kNextCount = 1.5;
+  const auto between_counts = [&](const Table& m, std::size_t first, std::size_t last) {
+    return within(m, first, last, kNextCount * count);
   };
   std::vector<Table> out;
   for (Table& m : tables) {
@@ -161,7 +170,7 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
       if (k < m.rows() && m.f[k] == m.f[begin]) continue;
       const bool moves = k - begin > shortest && goes_on(m.x, begin, k - 1);
       const bool limit = m.f[begin] == low || m.f[begin] == high;
-      if (moves && !limit && !programmed(m, begin, k - 1)) {
+      if (moves && !limit && !programmed(m, begin, k - 1) && !between_counts(m, begin, k - 1)) {
         notes.add_range(
             "stuck", m, begin, k - 1, true,
             m.f[begin] == 0.0
