@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/lost_motion/indicator.hpp>
 #include <stribeck/ident/stats/linear.hpp>
@@ -17,6 +20,9 @@ constexpr int kFewestFreedom = 3;   ///< rows beyond the unknowns
 constexpr int kRowsForDrift = 8;    ///< with fewer, a drift is not asked for
 constexpr int kScanned = 400;       ///< frictions between 0 and the largest load
 constexpr double kMostError = 0.5;  ///< half width as a share of the stiffness; wider: not determined
+constexpr int kFewestAtPlace = 2;   ///< readings of each direction, so that a place tells its own lost motion
+constexpr double kByChance =
+    1e-3;  ///< of one lost motion everywhere: rarer than this, it differs along the travel
 
 /// Positions that are the same for a person [m].
 double rounded(double x) { return std::round(x * 1e8) / 1e8; }
@@ -33,13 +39,19 @@ struct Line {
   [[nodiscard]] double scatter(double step) const { return std::max(left / freedom, step * step / 12.0); }
 };
 
+/// What the lost motion may do along the travel.
+enum class Along { kOne, kPlaces, kSlope };
+
 class Series {
  public:
   explicit Series(const std::vector<Reading>& series) : series_(series) {
     std::map<double, Eigen::Index> places;
     for (const Reading& r : series_) place_.push_back(places.emplace(rounded(r.position), 0).first->first);
     Eigen::Index n = 0;
-    for (auto& [at, index] : places) index = n++;
+    for (auto& [at, index] : places) {
+      index = n++;
+      places_.push_back(at);
+    }
     const auto rows = static_cast<Eigen::Index>(series_.size());
     const bool drift = rows >= kRowsForDrift;
     common_ = Eigen::MatrixXd::Zero(rows, n + (drift ? 1 : 0));
@@ -60,25 +72,26 @@ class Series {
   }
 
   /// Lost motion [µm], and with loads compliance [µm/N], where no load is larger than friction.
-  [[nodiscard]] Line together() const {
-    Eigen::MatrixXd columns(y_.size(), loaded() ? 2 : 1);
+  [[nodiscard]] Line together(Along along = Along::kOne) const {
+    Eigen::VectorXd side(y_.size()), load(loaded() ? y_.size() : 0);
     for (Eigen::Index i = 0; i < y_.size(); ++i) {
-      columns(i, 0) = -0.5 * at(i).direction;
-      if (loaded()) columns(i, 1) = -at(i).load;
+      side(i) = -0.5 * at(i).direction;
+      if (loaded()) load(i) = -at(i).load;
     }
-    return solved(columns);
+    return solved(side, load, along);
   }
   /// Backlash [µm] and compliance [µm/N] with a friction of the table [N].
-  [[nodiscard]] Line apart(double friction) const {
-    Eigen::MatrixXd columns(y_.size(), 2);
+  [[nodiscard]] Line apart(double friction, Along along = Along::kOne) const {
+    Eigen::VectorXd side(y_.size()), load(y_.size());
     for (Eigen::Index i = 0; i < y_.size(); ++i) {
       const double s = at(i).direction * friction + at(i).load;
-      columns(i, 0) = s > 0.0 ? -0.5 : s < 0.0 ? 0.5 : 0.0;
-      columns(i, 1) = -s;
+      side(i) = s > 0.0 ? -0.5 : s < 0.0 ? 0.5 : 0.0;
+      load(i) = -s;
     }
-    return solved(columns);
+    return solved(side, load, along);
   }
 
+  [[nodiscard]] const std::vector<double>& places() const { return places_; }
   [[nodiscard]] bool loaded() const { return most_load_ > 0.0; }
   [[nodiscard]] double most_load() const { return most_load_; }
   [[nodiscard]] double step() const { return step_; }
@@ -86,9 +99,28 @@ class Series {
  private:
   [[nodiscard]] const Reading& at(Eigen::Index i) const { return series_[static_cast<std::size_t>(i)]; }
 
-  [[nodiscard]] Line solved(const Eigen::MatrixXd& columns) const {
-    Eigen::MatrixXd A(y_.size(), common_.cols() + columns.cols());
-    A << common_, columns;
+  /// `side`, of the lost motion, as it is, for each place, or with a second one that grows from 0 to 1 along the travel.
+  [[nodiscard]] Eigen::MatrixXd sides(const Eigen::VectorXd& side, Along along) const {
+    if (along == Along::kOne) return side;
+    const auto n = static_cast<Eigen::Index>(places_.size());
+    if (along == Along::kPlaces) return (common_.leftCols(n).array().colwise() * side.array()).matrix();
+    Eigen::MatrixXd both(side.size(), 2);
+    for (Eigen::Index i = 0; i < side.size(); ++i) {
+      const double share = (place_[static_cast<std::size_t>(i)] - places_.front()) /
+                           std::max(places_.back() - places_.front(), 1e-12);
+      both(i, 0) = side(i);
+      both(i, 1) = side(i) * share;
+    }
+    return both;
+  }
+
+  /// The columns of the lost motion, then that of the loads if there are any.
+  [[nodiscard]] Line solved(const Eigen::VectorXd& side, const Eigen::VectorXd& load, Along along) const {
+    const Eigen::MatrixXd columns = sides(side, along);
+    Eigen::MatrixXd A(y_.size(), common_.cols() + columns.cols() + (load.size() > 0 ? 1 : 0));
+    A.leftCols(common_.cols()) = common_;
+    A.middleCols(common_.cols(), columns.cols()) = columns;
+    if (load.size() > 0) A.rightCols(1) = load;
     Line line;
     line.freedom = static_cast<double>(A.rows() - A.cols());
     if (line.freedom < kFewestFreedom) return line;
@@ -112,7 +144,8 @@ class Series {
   }
 
   const std::vector<Reading>& series_;
-  std::vector<double> place_;
+  std::vector<double> place_;   ///< of each reading
+  std::vector<double> places_;  ///< ascending
   Eigen::MatrixXd common_;
   Eigen::VectorXd y_;  ///< [µm]
   double most_load_ = 0.0;
@@ -131,10 +164,65 @@ Estimate stiffness_of(const Estimate& c) {
   return {k, k * c.half_width / c.value};
 }
 
+/// Says where the lost motion is smallest and largest, if one for all places fits the readings clearly worse. `friction`: of the table
+/// where loads exceed it, else absent.
+std::string differs_along(const std::vector<Reading>& readings, std::optional<double> friction) {
+  std::map<double, std::array<int, 2>> count;
+  for (const Reading& r : readings) ++count[rounded(r.position)][r.direction > 0 ? 1 : 0];
+  std::vector<Reading> twice;
+  std::copy_if(readings.begin(), readings.end(), std::back_inserter(twice), [&](const Reading& r) {
+    const std::array<int, 2>& n = count[rounded(r.position)];
+    return std::min(n[0], n[1]) >= kFewestAtPlace;
+  });
+  if (twice.empty()) return {};
+  const Series series(twice);
+  const auto fit = [&](Along along) {
+    return friction ? series.apart(*friction, along) : series.together(along);
+  };
+  const auto places = static_cast<Eigen::Index>(series.places().size());
+  const Line one = fit(Along::kOne);
+  if (places < 2 || !one.good) return {};
+  for (const Along along : {Along::kPlaces, Along::kSlope}) {
+    const Line line = fit(along);
+    if (!line.good) continue;
+    const double more = one.freedom - line.freedom;
+    const double ratio = (one.left - line.left) / (more * line.scatter(series.step()));
+    if (!(stats::fisher_above(std::max(0.0, ratio), more, line.freedom) < kByChance)) continue;
+    const bool loaded = friction || series.loaded();
+    const Eigen::Index first = line.x.size() - (loaded ? 1 : 0) - (along == Along::kPlaces ? places : 2);
+    const double wind_up = friction ? 2.0 * *friction * line.x(line.x.size() - 1) : 0.0;
+    Eigen::VectorXd at = line.x.segment(first, along == Along::kPlaces ? places : 2).array() + wind_up;
+    std::vector<double> where = series.places();
+    if (along == Along::kSlope) {
+      at = Eigen::Vector2d(line.x(first) + wind_up, line.x(first) + line.x(first + 1) + wind_up);
+      where = {where.front(), where.back()};
+    }
+    Eigen::Index least = 0, most = 0;
+    at.minCoeff(&least);
+    at.maxCoeff(&most);
+    if (at(most) - at(least) < series.step()) continue;  // rounding alone makes that much
+    return fmt::format(
+        "lost motion differs along the travel: from {} um at {:.4g} mm to {} um at {:.4g} mm (wear of the screw or of the guide); one number "
+        "stands for the mean",
+        digits(at(least), 2), 1e3 * where[static_cast<std::size_t>(least)], digits(at(most), 2),
+        1e3 * where[static_cast<std::size_t>(most)]);
+  }
+  return {};
+}
+
+/// Whether the largest load exceeds the friction of the table although the line without such loads fits, as it does without a backlash:
+/// loads below friction are at most (lost motion)/(2·compliance).
+bool beyond_friction(const Series& series, const Line& together) {
+  const Estimate total = unknown(together, series.step(), 1);
+  const Estimate compliance = unknown(together, series.step(), 0);
+  return total.low() > 0.0 && compliance.low() > 0.0 &&
+         total.high() < 2.0 * series.most_load() * compliance.low();
+}
+
 /// With loads that exceed friction: every friction that the readings permit widens the intervals.
-bool told_apart(LostMotion& out, const Series& series, const Line& together) {
+/// Leaves the friction in `friction`.
+bool told_apart(LostMotion& out, const Series& series, const Line& together, double& friction) {
   Line best;
-  double friction = 0.0;
   std::vector<std::pair<double, Line>> scanned;
   for (int i = 1; i < kScanned; ++i) {
     const double F = series.most_load() * i / kScanned;
@@ -148,7 +236,7 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
   if (!best.good) return false;
   const double t = stats::student_factor(best.freedom);
   const double permitted = best.left + t * t * best.scatter(series.step());
-  if (together.left <= permitted) return false;
+  if (together.left <= permitted && !beyond_friction(series, together)) return false;
   const auto widened = [&](int from_end, double scale) {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
@@ -249,7 +337,12 @@ LostMotion identify(const std::vector<Reading>& readings) {
         "against the axis, or the directions are exchanged (change the sign of the readings)");
     return out;
   }
-  if (all.loaded() && told_apart(out, all, together)) return out;
+  double friction = 0.0;
+  const bool apart = all.loaded() && told_apart(out, all, together, friction);
+  if (std::string differs = differs_along(series, apart ? std::optional(friction) : std::nullopt);
+      !differs.empty())
+    out.words.insert(out.words.begin(), std::move(differs));
+  if (apart) return out;
   out.total = Estimate{1e-6 * total.value, 1e-6 * total.half_width};
   if (!(total.low() > 0.0)) {
     out.none = true;

@@ -12,7 +12,9 @@
 /// Intervals: 95 %, from the scatter of the readings, at least that of their steps; for b, k and F together with what F may be.
 /// Sign: readings in the direction of the axis; a series over several positions tells it, and is turned if necessary.
 /// Source: Stribeck's own; ISO 230-2 approaches positions in the same way. Theory: docs/theory/lost-motion.md.
-/// Not modelled: a backlash that changes along the travel; creep under load.
+/// A lost motion that differs along the travel is said in `words` (F test of one for each place, and of a slope, against one for all); the numbers
+/// then stand for the mean.
+/// Not modelled: creep under load.
 /// Real time: no. Errors: none; what cannot be found is absent, and `words` says why.
 
 #include <stribeck/ident/lost_motion/lost_motion.hpp>

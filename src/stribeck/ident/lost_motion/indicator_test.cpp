@@ -135,6 +135,63 @@ TEST(Indicator, MirroredReadingsAreTurned) {
   EXPECT_THAT(refused.words.at(0), HasSubstr("change the sign of the readings"));
 }
 
+// A screw that is worn at one end: one number with a narrow interval was wrong at most places, without a word.
+TEST(Indicator, LostMotionThatDiffersAlongTheTravelIsSaid) {
+  const std::vector<double> positions{0.0, 0.1, 0.2, 0.3, 0.4};
+  const auto worn = [&](double slope, const std::vector<double>& loads, unsigned seed) {
+    Truth t;
+    t.friction = 150.0;
+    std::vector<Reading> all = series_of(t, positions, loads, 4, seed);
+    for (Reading& r : all) {
+      const double side = r.direction * t.friction + r.load > 0.0 ? 0.5 : -0.5;
+      r.value = t.step * std::round((r.value - side * slope * r.position) / t.step);
+    }
+    return identify(all);
+  };
+  for (const std::vector<double>& loads : {std::vector{0.0}, std::vector{0.0, 500.0, -500.0}}) {
+    const LostMotion found = worn(50e-6, loads, 11);
+    ASSERT_FALSE(found.words.empty());
+    // 22 um at one end, 42 um at the other.
+    EXPECT_THAT(
+        found.words[0],
+        testing::ContainsRegex("differs along the travel: from 2[123] um at 0.* mm to 4[123] um at 400 mm"));
+    EXPECT_TRUE(holds(found.total, 32e-6));
+    EXPECT_EQ(found.backlash.has_value(), loads.size() > 1);
+  }
+  int wrong = 0, small = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    for (const std::vector<double>& loads : {std::vector{0.0}, std::vector{0.0, 500.0, -500.0}}) {
+      for (const std::string& words : worn(0.0, loads, seed).words)
+        wrong += words.find("differs along") != std::string::npos ? 1 : 0;
+    }
+    for (const std::string& words : worn(5e-6, {0.0}, seed).words)
+      small += words.find("differs along") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_LE(wrong, 3);    // two tests of 0.001 in 600 series
+  EXPECT_GE(small, 200);  // a slope of 2 um in all, two steps of the indicator
+}
+
+// Without a backlash the line of loads below friction fits as well: "no load exceeds the friction", with loads of ten times the friction.
+TEST(Indicator, ABacklashOfNothingHasAnUpperBound) {
+  int total = 0, stiffness = 0, claimed = 0, said = 0;
+  constexpr int kSeries = 200;
+  for (unsigned seed = 0; seed < kSeries; ++seed) {
+    const Truth t{0.0, 20e6, 200.0, 0.3e-6, 1e-6};
+    const LostMotion found = identify(series_of(t, {0.1}, {0.0, 2000.0, -2000.0}, 4, seed));
+    total += holds(found.total, t.total()) ? 1 : 0;
+    stiffness += holds(found.stiffness, t.stiffness) ? 1 : 0;
+    claimed += found.backlash ? 1 : 0;
+    for (const std::string& words : found.words)
+      said += words.find("no backlash was found; it is at most ") != std::string::npos ? 1 : 0;
+  }
+  std::printf("no backlash: sum held in %d, stiffness in %d of %d; claimed in %d\n", total, stiffness,
+              kSeries, claimed);
+  EXPECT_GE(total, 184);
+  EXPECT_GE(stiffness, 184);
+  EXPECT_LE(claimed, 10);
+  EXPECT_GE(said, 185);
+}
+
 TEST(Indicator, WhatTheSeriesCannotTellIsSaid) {
   const Truth t;
   std::vector<Reading> one_way;

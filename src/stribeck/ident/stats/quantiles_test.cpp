@@ -24,6 +24,9 @@ TEST(Quantiles, TailOfChiSquared) {
   EXPECT_NEAR(chi_squared_above(5.0, 2.0), std::exp(-2.5), 1e-12);
   EXPECT_NEAR(chi_squared_above(3.0, 1.0), std::erfc(std::sqrt(1.5)), 1e-12);
   EXPECT_EQ(chi_squared_above(0.0, 4.0), 1.0);
+  // F of 2 and n: (1 + 2 F/n)^(-n/2); F of 1 and 1: an arctangent.
+  EXPECT_NEAR(fisher_above(3.0, 2.0, 10.0), std::pow(1.6, -5.0), 1e-12);
+  EXPECT_NEAR(fisher_above(1.0, 1.0, 1.0), 0.5, 1e-12);
 }
 
 }  // namespace
