@@ -193,17 +193,34 @@ VectorXd change_of_fast_rows(const AlignedLog& log, const Rows& used, const Term
 }
 
 /// Terms and fit with the column of the shift, whose value is 0.
-std::pair<Terms, LinearFit> with_shift(const AlignedLog& log, Rows& rows, const Terms& terms,
-                                       const LinearFit& fit) {
-  Terms wide = terms;
-  wide.shift = true;
+struct WithShift {
+  Terms terms;
+  LinearFit fit;
+  VectorXd
+      moved;  ///< what the linear terms change by with the shift that the rows show in place of a held force; empty: none is seen
+  double later = 0.0;  ///< that shift, from a held force on [rows]
+};
+
+WithShift with_shift(const AlignedLog& log, Rows& rows, const Terms& terms, const LinearFit& fit) {
+  WithShift out;
+  out.terms = terms;
+  out.terms.shift = true;
   ask_reference(log, rows, terms, fit);
-  LinearFit out = solve(log, rows, wide, &fit);
-  out.value = VectorXd::Zero(static_cast<Index>(wide.count()));
-  out.value.head(fit.value.size()) = fit.value;
-  out.curve = fit.curve;
-  out.mass = fit.mass;
-  return {std::move(wide), std::move(out)};
+  out.fit = solve(log, rows, out.terms, &fit);
+  const Index size = fit.value.size();
+  constexpr double kSeen = 1.5;    // half widths
+  constexpr double kLeast = 0.02;  // rows
+  out.later = -out.fit.value(size);
+  const double away = std::abs(out.later);
+  if (away > kLeast && away > kSeen * shift_half_width(log, rows, out.terms, out.fit)) {
+    out.moved = out.fit.value;
+    out.moved.head(size) -= solve(log, rows, terms, &fit).value;
+  }
+  out.fit.value.head(size) = fit.value;
+  out.fit.value(size) = 0.0;
+  out.fit.curve = fit.curve;
+  out.fit.mass = fit.mass;
+  return out;
 }
 
 /// Inverse of the map's moments without the directions that the data do not determine; their shares are written to `unseen`.
@@ -353,7 +370,7 @@ double Intervals::error_of(const VectorXd& h) const {
     of_records *= std::pow(1.0 + share * (few_records - 1.0), 2.0);
   }
   const double variance = std::max({of_noise, of_records, h.dot(folds * h)});
-  return std::hypot(std::sqrt(variance), h.dot(unsettled), h.dot(filtered));
+  return std::hypot(std::hypot(std::sqrt(variance), h.dot(unsettled)), h.dot(filtered), h.dot(held));
 }
 
 double Intervals::error_at(std::size_t i) const {
@@ -371,7 +388,9 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
                     const MapChoice& choice, bool shift_known) {
   const bool nuisance = !shift_known && !narrow.shift;
   Rows rows = used;
-  const auto [terms, fit] = nuisance ? with_shift(log, rows, narrow, found) : std::pair{narrow, found};
+  const WithShift wide = nuisance ? with_shift(log, rows, narrow, found) : WithShift{narrow, found, {}};
+  const Terms& terms = wide.terms;
+  const LinearFit& fit = wide.fit;
   const MapMoments map = moments_of(choice.map.fit, rows, fit);
   Intervals out;
   out.linear = terms.count();
@@ -409,7 +428,13 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
     out.filtered.head(Q) =
         filter->half_width / T / out.factor * moved_by_filter(log, rows, terms, fit, filter->time / T);
   }
-  for (VectorXd* moved : {&out.unsettled, &out.filtered}) {
+  out.held = VectorXd::Zero(size);
+  if (wide.moved.size() > 0) {
+    constexpr double kBeyond = 1.5;  // the truth lies that far off, give or take its own error
+    out.untaken_shift = wide.later;
+    out.held.head(Q) = kBeyond / out.factor * wide.moved;
+  }
+  for (VectorXd* moved : {&out.unsettled, &out.filtered, &out.held}) {
     moved->tail(size - Q) = -map_inverse * bread.moments.bottomLeftCorner(size - Q, Q) * moved->head(Q);
   }
   if (terms.shift) out.shift_error = out.error_at(static_cast<std::size_t>(shift));

@@ -63,8 +63,10 @@ struct Intervals {
   MatrixXd folds;            ///< the same from fits without each block of motion, of the linear terms
   VectorXd unsettled;        ///< change of θ when only fast rows count, beyond its noise
   VectorXd filtered;         ///< what the error of the drive's filter adds to θ
-  std::size_t linear = 0;    ///< terms before those of the map
-  double shift_error = 0.0;  ///< standard error of the shift, found or not [rows]; 0: given
+  VectorXd held;  ///< what a shift adds that the rows show but that explains too little to be taken
+  double untaken_shift = 0.0;  ///< that shift, from a held force on [rows]; 0: none
+  std::size_t linear = 0;      ///< terms before those of the map
+  double shift_error = 0.0;    ///< standard error of the shift, found or not [rows]; 0: given
   /// Share of each map parameter that lies in directions which the data do not see.
   std::vector<double> unseen;
   double factor = 1.96;  ///< half width divided by standard error

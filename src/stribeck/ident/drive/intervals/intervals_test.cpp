@@ -1,9 +1,11 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <random>
 
+#include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
@@ -55,6 +57,41 @@ TEST(Intervals, TheErrorOfTheMassIsItsScatter) {
   const double scatter = std::sqrt((square - kRuns * mean * mean) / (kRuns - 1));
   EXPECT_GT(scatter / error, 0.61);
   EXPECT_LT(scatter / error, 1.42);
+}
+
+// A force that was measured at the instant of the position: a shift of half a row explains too little to be taken, and moves mass and
+// viscous friction by three half widths.
+TEST(Intervals, HoldTheTruthBesideAShiftThatIsNotTaken) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> noise(0.0, 0.5);
+    log::Record r;
+    r.source = "log.csv";
+    r.sample_time = 1e-3;
+    for (int k = 0; k < 20'000; ++k) {
+      const double t = 1e-3 * k;
+      const double A = 0.02 + 0.015 * std::sin(0.9 * t), dA = 0.0135 * std::cos(0.9 * t);
+      const double s = std::sin(2.5 * t), c = std::cos(2.5 * t), q = std::sin(11.0 * t);
+      const double v = dA * s + 2.5 * A * c + 0.044 * std::cos(11.0 * t);
+      const double a = (-0.01215 * std::sin(0.9 * t) - 6.25 * A) * s + 5.0 * dA * c - 0.484 * q;
+      r.t.push_back(t);
+      r.x.push_back(A * s + 0.004 * q);
+      r.f.push_back(60.0 * a + 80.0 * v + (v > 0.0 ? 12.0 : -12.0) + noise(engine));
+    }
+    DriveFitOptions options;
+    options.dynamics = false;
+    const Result found = identify_drive({r}, options);
+    EXPECT_EQ(found.find("force_shift"), nullptr);
+    for (const auto& [name, truth] : {std::pair{"mass", 60.0}, std::pair{"viscous_positive", 80.0}}) {
+      const Parameter* p = found.find(name);
+      ASSERT_NE(p, nullptr) << name;
+      EXPECT_LE(p->ci_low, truth) << name << ", seed " << seed;
+      EXPECT_GE(p->ci_high, truth) << name << ", seed " << seed;
+    }
+    EXPECT_LT(found.mass_interval.high - found.mass_interval.low, 0.2);
+    EXPECT_THAT(found.warnings,
+                ::testing::Contains(::testing::HasSubstr("ms later than a force that is held for its row")));
+  }
 }
 
 TEST(Intervals, FollowTheUnitOfTheForce) {

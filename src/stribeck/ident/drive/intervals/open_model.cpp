@@ -86,7 +86,7 @@ MatrixXd correlations(const Points& points, const Intervals& intervals) {
     }
     if (sum > largest) largest = sum, most = C;
   }
-  for (const VectorXd* bias : {&intervals.unsettled, &intervals.filtered}) {
+  for (const VectorXd* bias : {&intervals.unsettled, &intervals.filtered, &intervals.held}) {
     const VectorXd moved = H * *bias;
     most += moved * moved.transpose();
   }
