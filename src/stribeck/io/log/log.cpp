@@ -181,20 +181,20 @@ void complete_times(Log& log, const ReadOptions& options) {
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *period;
   if (const Column* counter = detail::row_counter(log, of_machine);
       counter != nullptr && counter->values.size() == t.size()) {
-    bool even = true;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const double n = counter->values[i] - counter->values[0];
-      even = even && n == static_cast<double>(i);
-      t[i] = n * *period;
-    }
-    if (!even) {
-      log.notes.push_back("the time is " + in_quotes(counter->header) + " times " + number_text(*period) +
-                          " s" +
-                          (options.sample_time ? ", the given sample time"
-                           : of_machine        ? ", the sample time of the machine file"
-                                               : ", as the head of the file says: " + in_quotes(told.text)) +
-                          "; rows that it does not count are missing" + (of_machine ? kOtherPeriod : ""));
-      detail::add_time(log, std::move(t), "s");
+    // What is given is the time between rows, unless it is the period of the machine.
+    const bool of_rows = options.sample_time && !(options.machine_period &&
+                                                  std::abs(*options.machine_period / *period - 1.0) < 1e-6);
+    detail::CountedTimes counted = detail::times_of_counter(*counter, *period, of_rows);
+    if (!counted.even) {
+      const bool one = counted.per_row == 1.0;
+      log.notes.push_back(
+          counted.text +
+          (options.sample_time ? of_rows && !one ? ", so that rows are the given sample time apart"
+                                                 : ", the given sample time"
+           : of_machine        ? ", the sample time of the machine file"
+                               : ", as the head of the file says: " + in_quotes(told.text)) +
+          "; rows that it does not count are missing" + (of_machine && one ? kOtherPeriod : ""));
+      detail::add_time(log, std::move(counted.t), "s");
       return;
     }
   }

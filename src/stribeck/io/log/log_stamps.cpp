@@ -251,6 +251,26 @@ bool counts_up(const std::vector<double>& values) {
 
 }  // namespace
 
+CountedTimes times_of_counter(const Column& counter, double period, bool of_rows) {
+  const std::vector<double>& n = counter.values;
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < n.size(); ++i) step = std::min(step, n[i] - n[i - 1]);
+  const bool whole = std::isfinite(step) && step >= 1.0 && std::all_of(n.begin(), n.end(), [&](double count) {
+                       return std::fmod(count - n.front(), step) == 0.0;
+                     });
+  CountedTimes out;
+  out.per_row = whole ? step : 1.0;
+  const double per_row = of_rows ? out.per_row : 1.0, each = period / per_row;
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    const double count = n[i] - n.front();
+    out.even = out.even && count == static_cast<double>(i) * per_row;
+    out.t.push_back(count * each);
+  }
+  out.text = "the time is " + in_quotes(counter.header) + " times " + number_text(each) + " s";
+  if (out.per_row != 1.0) out.text += ", and it counts " + number_text(out.per_row) + " for each row";
+  return out;
+}
+
 const Column* row_counter(const Log& log, bool of_control) {
   constexpr std::array<std::string_view, 14> kNames{"index", "sample",  "samples", "sample number", "no",
                                                     "no.",   "nr",      "nr.",     "number",        "cycle",

@@ -35,7 +35,7 @@ std::string_view last_line(std::string_view text);
 std::vector<std::string_view> split_exactly(std::string_view line, char separator);
 std::string unquoted(std::string_view cell);
 
-/// Bytes that are not UTF-8 are read as Latin-1, in which older Windows programs write µ and °.
+/// Text that is not UTF-8 is read as Windows-1252, in which older Windows programs write µ, °, ‰ and a dash for a minus.
 bool is_utf8(std::string_view in);
 std::string as_utf8(std::string_view in);
 
@@ -169,6 +169,15 @@ void note_times(Log& log);
 /// A column of whole numbers that increase and is called index, sample, …; null: there is none.
 /// With `of_control` also one of control periods ("IPO_Cycle"), which a time between rows would not count.
 const Column* row_counter(const Log& log, bool of_control);
+/// Times from a counter. It may count several for each row, as the cycles of a drive that writes every fourth.
+struct CountedTimes {
+  std::vector<double> t;  ///< [s]
+  double per_row = 1.0;   ///< the smallest step, where all steps are multiples of it; else 1
+  bool even = true;       ///< the rows stand where they would without the counter
+  std::string text;       ///< how the time follows from it
+};
+/// `period` [s]: of one count or, with `of_rows`, of one row.
+CountedTimes times_of_counter(const Column& counter, double period, bool of_rows);
 /// A column whose name says that it is the time, in a unit that is not known ("Time [100ns]"); null: there is none.
 const Column* time_of_unknown_unit(const Log& log);
 

@@ -300,7 +300,7 @@ std::string mass_contradiction(const AxisDescription& axis, double low, double h
   }
   return fmt::format(
       "the mass, {:.4g} to {:.4g} {}, contradicts the machine file, which allows {:.4g} to {:.4g} {}: {}a scale of the log is wrong (positions in counts of another "
-      "length, the force in another unit, one motor of two, a second motor whose force has the other sign), a drive rings, or the file "
+      "length, the force in another unit, another time between rows, one motor of two, a second motor whose force has the other sign), a drive rings, or the file "
       "is wrong",
       low, high, unit, rough.low(), rough.high(), unit, rotor_left_out);
 }
