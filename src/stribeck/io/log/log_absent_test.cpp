@@ -11,8 +11,10 @@ namespace stribeck::io::log_absent_test {
 namespace {
 
 using ::testing::Contains;
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 Log parse(const std::string& text) { return parse_log(text, "log.csv", {}); }
@@ -161,6 +163,33 @@ TEST(LogAbsent, TextOfJapanAndChina) {
       "e [\xB5m]\n0,1\n1,2\n2,3\n");
   EXPECT_EQ(latin.columns[1].name, "Größe");
   EXPECT_EQ(latin.columns[1].unit_text, "µm");
+  // Excel's: a sign of per mille, and a dash for a minus.
+  const Log windows = parse(
+      "t [ms];x [mm];Moment [\x89]\n0;\x96 6,5;1\n1;-6,4;\x96"
+      "2\n2;6,3;3\n");
+  EXPECT_EQ(windows.columns[2].unit_text, "‰");
+  EXPECT_THAT(windows.columns[1].values, ElementsAre(-6.5, -6.4, 6.3));
+  EXPECT_EQ(windows.columns[2].values[1], -2.0);
+}
+
+// An 8 kHz drive that writes every fourth cycle and counts cycles: what --sample-time gives is the time between rows.
+TEST(LogAbsent, ACounterMayCountSeveralForARow) {
+  const std::string text = "Cycle,x [mm]\n0,1\n4,2\n8,3\n16,5\n20,6\n";
+  ReadOptions options;
+  options.sample_time = 500e-6;
+  const Log rows = parse_log(text, "log.csv", options);
+  EXPECT_THAT(rows.at("t").values, ElementsAre(0.0, DoubleNear(500e-6, 1e-12), DoubleNear(1e-3, 1e-12),
+                                               DoubleNear(2e-3, 1e-12), DoubleNear(2.5e-3, 1e-12)));
+  EXPECT_THAT(rows.notes,
+              Contains(HasSubstr("counts 4 for each row, so that rows are the given sample time apart")));
+  // The period of the machine is that of a cycle, given or not.
+  options.machine_period = 125e-6;
+  for (const bool said : {false, true}) {
+    options.sample_time = said ? std::optional(125e-6) : std::nullopt;
+    const Log cycles = parse_log(text, "log.csv", options);
+    EXPECT_NEAR(cycles.at("t").values.back(), 2.5e-3, 1e-12) << said;
+    EXPECT_THAT(cycles.notes, Not(Contains(HasSubstr("say so with --sample-time"))));
+  }
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ class HeadReader {
     }
     for (const auto& header : headers) {
       if (is_utf8(header)) continue;
-      note("the names of the columns are not UTF-8 and are read as Latin-1");
+      note("the names of the columns are not UTF-8 and are read as Windows-1252");
       break;
     }
     const bool slashes = all_have_unit_after_slash(headers);

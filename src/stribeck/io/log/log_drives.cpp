@@ -90,7 +90,7 @@ class EposReader : DriveReader {
     }
     for (std::size_t i = 0; i < name_cells.size(); ++i) {
       std::string name = as_utf8(unquoted(name_cells[i]));
-      if (!is_utf8(name_cells[i])) note("column " + in_quotes(name) + " is not UTF-8, read as Latin-1");
+      if (!is_utf8(name_cells[i])) note("column " + in_quotes(name) + " is not UTF-8, read as Windows-1252");
       if (name.empty()) name = i == 0 ? "t" : "column " + std::to_string(i + 1);
       std::string unit = plain_unit(unit_cells[i], name, log_.notes);
       log_.columns.push_back({name, std::move(unit), {}, name});
@@ -200,7 +200,7 @@ class MrReader : DriveReader {
     std::string known;
     for (std::size_t i = 1; i < names.size(); ++i) {
       std::string header = as_utf8(names[i]);
-      if (!is_utf8(names[i])) note("column " + in_quotes(header) + " is not UTF-8, read as Latin-1");
+      if (!is_utf8(names[i])) note("column " + in_quotes(header) + " is not UTF-8, read as Windows-1252");
       if (header.empty()) header = "column " + std::to_string(i + 1);
       unused_.push_back(header == "Not selected");
       if (unused_.back()) header += " " + std::string(kinds[i]);
@@ -282,7 +282,7 @@ class NiReader : Reader {
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       Column c;
       c.name = as_utf8(unquoted(names[i]));
-      if (!is_utf8(names[i])) note("column " + in_quotes(c.name) + " is not UTF-8, read as Latin-1");
+      if (!is_utf8(names[i])) note("column " + in_quotes(c.name) + " is not UTF-8, read as Windows-1252");
       if (c.name.empty()) c.name = "column " + std::to_string(i + 1);
       c.header = c.name;
       c.unit_text = plain_unit(units[i], c.name, log_.notes);

@@ -223,7 +223,7 @@ TEST(Log, LatinHeadersAndUnknownUnits) {
   EXPECT_EQ(log.columns[1].unit_text, "µm");
   EXPECT_EQ(log.columns[2].name, "y [furlongs!]");
   EXPECT_THAT(log.notes,
-              ElementsAre(HasSubstr("read as Latin-1"), HasSubstr("unit \"furlongs!\" is not known")));
+              ElementsAre(HasSubstr("read as Windows-1252"), HasSubstr("unit \"furlongs!\" is not known")));
   EXPECT_EQ(log.columns[3].name, "x_mm");  // x alone would stand for three columns
   EXPECT_EQ(log.columns[3].unit_text, "mm");
 }

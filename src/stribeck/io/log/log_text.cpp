@@ -83,28 +83,36 @@ bool is_utf8(std::string_view in) {
 
 std::string as_utf8(std::string_view in) {
   if (is_utf8(in)) return std::string(in);
-  std::string latin;
+  // What Windows-1252 has in place of the control characters of Latin-1. A dash before a number is a minus; absent ones are a blank.
+  constexpr std::array<std::string_view, 32> kPrintable{
+      "\u20AC", " ",      "\u201A", "\u0192", "\u201E", "\u2026", "\u2020", "\u2021",
+      "\u02C6", "\u2030", "\u0160", "\u2039", "\u0152", " ",      "\u017D", " ",
+      " ",      "\u2018", "\u2019", "\u201C", "\u201D", "\u2022", "\u2013", "\u2014",
+      "\u02DC", "\u2122", "\u0161", "\u203A", "\u0153", " ",      "\u017E", "\u0178"};
+  std::string out;
   for (const char raw : in) {
     const auto c = static_cast<unsigned char>(raw);
     if (c < 0x80) {
-      latin += raw;
-      continue;
+      out += raw;
+    } else if (c < 0xA0) {
+      out += kPrintable[c - 0x80];
+    } else {
+      out += static_cast<char>(0xC0 | (c >> 6));
+      out += static_cast<char>(0x80 | (c & 0x3F));
     }
-    latin += static_cast<char>(0xC0 | (c >> 6));
-    latin += static_cast<char>(0x80 | (c & 0x3F));
   }
-  return latin;
+  return out;
 }
 
 std::optional<double> cell_number(std::string_view cell, char decimal) {
   cell = trimmed(cell);
   if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
     cell = trimmed(cell.substr(1, cell.size() - 2));
-  // The minus of a typesetter, which word processors and some spreadsheets write.
-  constexpr std::string_view kMinus = "\u2212";
-  if (cell.starts_with(kMinus)) {
-    const std::string_view rest = cell.substr(kMinus.size());
-    const bool sign = rest.starts_with('-') || rest.starts_with('+') || rest.starts_with(kMinus);
+  // The minus of a typesetter, which word processors and some spreadsheets write, and the dash that Windows-1252 has for it.
+  for (const std::string_view minus : {"\u2212", "\u2013", "\x96"}) {
+    if (!cell.starts_with(minus)) continue;
+    const std::string_view rest = cell.substr(minus.size());
+    const bool sign = rest.starts_with('-') || rest.starts_with('+') || rest.starts_with("\xE2");
     const auto value = sign ? std::nullopt : cell_number(rest, decimal);
     return value ? std::optional(-*value) : std::nullopt;
   }

@@ -119,7 +119,8 @@ class TwinCatReader : Reader {
       Column& c = groups_[static_cast<std::size_t>(group_of_[i])].channels[channel(i)];
       c.name = as_utf8(unquoted(names->cells[i]));
       if (c.name.empty()) c.name = "column " + std::to_string(i + 1);
-      if (!is_utf8(names->cells[i])) note("column " + in_quotes(c.name) + " is not UTF-8, read as Latin-1");
+      if (!is_utf8(names->cells[i]))
+        note("column " + in_quotes(c.name) + " is not UTF-8, read as Windows-1252");
       c.header = c.name;
     }
     for (const KeyRow& row : rows) check_keys(row, cells.size());
