@@ -300,6 +300,8 @@ struct Turn {
   double ways = 0.0;
 };
 
+constexpr double kOneWay = 0.5;  ///< of all ways: the angle goes one way
+
 Turn turn_of(const Piece& piece, const std::vector<double>& angles) {
   constexpr double kLeastWay = kPi / 180.0;  // below it is the noise of an angle
   Turn turn;
@@ -317,7 +319,6 @@ Turn turn_of(const Piece& piece, const std::vector<double>& angles) {
 /// Whether the rows of a piece stand against the direction that is told.
 bool is_reversed(const io::Log& log, const BallBarColumns::Series& s, const Piece& piece,
                  const std::vector<double>& angles) {
-  constexpr double kOneWay = 0.5;
   if (!piece.counter_clockwise || piece.last - piece.first < kFewRows) return false;
   const Turn turn = turn_of(piece, angles);
   if (turn.ways == 0.0) return false;
@@ -345,6 +346,14 @@ void add_piece(CircleTrack& t, const Piece& piece, bool reversed, const std::vec
     t.row.push_back(i);
     if (piece.counter_clockwise) t.part.push_back(part);
   }
+}
+
+/// The rows of a clockwise test may have been sorted by their angle: a backlash then has the other sign.
+void note_untold(bool counter_clockwise, std::vector<std::string>& notes) {
+  notes.push_back(fmt::format(
+      "the table names no direction, and its angles only increase: taken as measured in that order, {} (if the rows were "
+      "sorted by angle, add a column direction with ccw or cw)",
+      counter_clockwise ? "counter-clockwise" : "clockwise"));
 }
 
 /// One note for all pieces that were reversed.
@@ -421,6 +430,11 @@ CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, do
     std::vector<double> angles = angles_of(log, s.angle);
     if (mirrored) std::transform(angles.begin(), angles.end(), angles.begin(), std::negate<>());
     const std::vector<double> radii = radii_of(log, s, radius);
+    if (columns.direction == nullptr && !s.counter_clockwise) {
+      const Turn turn = turn_of({0, angles.size(), std::nullopt}, angles);
+      const double increase = mirrored ? -turn.sum : turn.sum;
+      if (increase > kOneWay * turn.ways) note_untold(!mirrored, t.notes);
+    }
     if (angles.size() != radii.size())
       throw io::InputError({log.source, 0, s.angle.column->name,
                             fmt::format("has {} rows, {} has {}: expected columns of one rate", angles.size(),

@@ -282,8 +282,7 @@ TEST_F(BallBar, AnAngleThatIsCountedTheOtherWayIsNamed) {
   for (const bool reversed : {false, true}) EXPECT_THAT(notes(1.0, reversed), testing::Not(named));
 }
 
-// The first row of the way back stands at or beyond the last angle of the way there, and belongs to it: with lateral play it is off
-// the other circle.
+// The first row of the way back stands at or beyond the last angle of the way there: with lateral play it is off the other circle.
 TEST_F(BallBar, TheFirstRowOfTheWayBackIsItsOwn) {
   for (const double back : {0.0, 45.0}) {
     std::string told = "angle [deg],deviation [um],direction\n", plain = "angle [deg],deviation [um]\n";
@@ -318,8 +317,9 @@ TEST_F(BallBar, FilesOfOneDirectionEachAreOneMeasurementTogether) {
   expect_same(*got.together, *wanted.logs[0].diagnosis, 1e-9);
   EXPECT_NEAR(*got.logs[0].test->hysteresis, *wanted.logs[0].test->hysteresis, 1e-9);
   EXPECT_THROW(static_cast<void>(judged({ccw, cw}, sized())), io::InputError);
-  // Before and after: side by side.
-  EXPECT_EQ(judged({ccw, ccw}, sized()).logs.size(), 2U);
+  EXPECT_EQ(judged({ccw, ccw}, sized()).logs.size(), 2U);  // before and after, side by side
+  EXPECT_THAT(judged({ccw}, sized()).logs[0].notes, Contains(HasSubstr("names no direction")));
+  EXPECT_THAT(judged({cw}, sized()).logs[0].notes, Not(Contains(HasSubstr("names no direction"))));
 }
 
 TEST_F(BallBar, WhatIsNotMeasuredIsSaid) {
