@@ -133,13 +133,14 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
           "--join", [&o](const std::string& word) { o.join = *enum_value<PointJoin>(word); },
           "Points: corners (straight lines with rounded corners) or spline (one smooth curve); left out: corners")
       ->check(names_of<PointJoin>());
+  const auto all = verb.get_options();
+  for (std::size_t i = before; i < all.size(); ++i)
+    all[i]->each([&o](const std::string&) { o.given = true; });
+  // Of the simulation, not of the path.
   verb.add_option("--accuracy", o.accuracy,
                   "Accuracy of the simulated contour error; it determines the number of sub-steps")
       ->type_name("LENGTH")
       ->capture_default_str();
-  const auto all = verb.get_options();
-  for (std::size_t i = before; i < all.size(); ++i)
-    all[i]->each([&o](const std::string&) { o.given = true; });
 }
 
 }  // namespace stribeck::cli

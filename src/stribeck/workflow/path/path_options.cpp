@@ -174,14 +174,19 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
     return own;
   }
   if (experiment != kVaried) {
-    if (!(path == PathOptions{}) || !speeds.empty()) {
+    PathOptions rest = path;
+    rest.accuracy = PathOptions{}.accuracy;
+    if (!(rest == PathOptions{}) || !speeds.empty()) {
       refuse_option(
           "--experiment",
           fmt::format(
-              "{} has its own path, speeds and gains: options of a path can be used with {} and {} only",
+              "{} has its own path, speeds and gains: --path, --size and the other options of a path, and --speed, belong "
+              "to {} and {}",
               experiment, kVaried, kOwn));
     }
-    return printed_spec(experiment, machine, machine_file);
+    sim::CompareSpec printed = printed_spec(experiment, machine, machine_file);
+    if (path.accuracy != rest.accuracy) printed.accuracy = make_accuracy(path);
+    return printed;
   }
   sim::CompareSpec s;
   std::vector<double> in_si;

@@ -40,6 +40,19 @@ TEST(PathOptions, TheTableTurnsAtTheRadiusOfItsAxes) {
   EXPECT_DOUBLE_EQ(reference_radius(single_run(one, {}, machine, "m.toml")), 1.0);
 }
 
+// The accuracy is one of the simulation; the options of a path are another matter.
+TEST(PathOptions, APrintedExperimentTakesAnAccuracyAndNoPath) {
+  const sim::Machine machine = mill();
+  PathOptions path;
+  path.accuracy = "20 nm";
+  EXPECT_DOUBLE_EQ(experiment_spec("five-axis", path, {}, machine, "m.toml").accuracy, 20e-9);
+  EXPECT_EQ(experiment_spec("five-axis", {}, {}, machine, "m.toml").accuracy,
+            printed_spec("five-axis", machine, "m.toml").accuracy);
+  path.size = "20 mm";
+  EXPECT_THAT([&] { experiment_spec("five-axis", path, {}, machine, "m.toml"); },
+              ThrowsMessage<io::InputError>(HasSubstr("--path, --size and the other options of a path")));
+}
+
 TEST(PathOptions, FiveAxesOfOnesOwnTakeSpeeds) {
   sim::Machine machine = mill();
   for (auto& [name, axis] : machine.axes) axis.published = {};
