@@ -42,6 +42,7 @@ IdentifyOptions identify_options(const IdentifyCommand& o) {
   IdentifyOptions options = o.identify;
   options.method = *enum_value<Method>(o.method);
   options.model = *enum_value<ModelChoice>(o.model);
+  options.for_axis_file = !o.output.empty();
   if (o.solver == "simplex") options.solver = ident::methods::Solver::kSimplex;
   return options;
 }
@@ -132,7 +133,8 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
   const std::vector<LogsOfAxis> all = logs_by_axis(machine, logs, log_options);
   if (all.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log_options.axis));
   for (const LogsOfAxis& one : all) {
-    auto [axis, found] = identify_logs(one.logs, one.options, options);
+    auto [axis, found] = computing("axis " + one.axis, o.common,
+                                   [&] { return identify_logs(one.logs, one.options, options); });
     const ident::Interval& mass = found.result.mass_interval;
     // Before all others: with a wrong scale the whole result is wrong.
     std::vector<std::string>& warnings = found.result.warnings;
@@ -196,7 +198,8 @@ int run_identify(IdentifyCommand o) {
   if (!o.inspect && is_machine(o.logs.front())) return identify_machine(o, options, log_options);
   io::check_writable(o.output);
   if (o.inspect) return inspect_logs(o, log_options);
-  const auto [axis, found] = identify_logs(o.logs, log_options, options);
+  const auto [axis, found] =
+      computing("identify", o.common, [&] { return identify_logs(o.logs, log_options, options); });
   if (!o.output.empty()) write_axis_file(o.output, found, axis);
   const report::Made made = made_from(o.logs);
   write_json(o.common.json, to_json(found, axis.axis), made);

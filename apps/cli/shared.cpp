@@ -89,6 +89,35 @@ void Progress::operator()(std::string_view what, std::size_t done, std::size_t a
   (*this)(done, all);
 }
 
+Working::Working(std::string what, bool quiet)
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1) {
+  if (!quiet) ticker_ = std::thread([this] { tick(); });
+}
+
+Working::~Working() {
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+  ended_.notify_all();
+  if (ticker_.joinable()) ticker_.join();
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+}
+
+void Working::tick() {
+  const std::chrono::seconds every(terminal_ ? 1 : 30), quiet(terminal_ ? 2 : 30);
+  std::chrono::seconds passed(0);
+  std::unique_lock lock(mutex_);
+  while (!ended_.wait_for(lock, every, [this] { return done_; })) {
+    passed += every;
+    if (passed < quiet) continue;
+    drawn_ = terminal_;
+    fmt::print(stderr, "{}{}: computing, {} s{}", terminal_ ? "\r" : "", io::printable(what_), passed.count(),
+               terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+}
+
 void say(const Common& common, const std::string& text) {
   if (common.quiet || common.json == kStandardOutput) return;
   // Names in a table are as long as a file has them.

@@ -3,12 +3,16 @@
 /// Real time: no. Errors: InputError with the option as its place.
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/io/output_folder.hpp>
 #include <stribeck/report/page/output.hpp>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -58,6 +62,34 @@ class Progress {
   std::chrono::steady_clock::time_point begin_;
   std::chrono::steady_clock::time_point last_;
 };
+
+/// How long a verb has been computing, on stderr, where nobody knows how much is left: the seconds after the first two, and a line every half
+/// a minute where stderr is no terminal.
+class Working {
+ public:
+  Working(std::string what, bool quiet);
+  ~Working();
+  Working(const Working&) = delete;
+  Working& operator=(const Working&) = delete;
+
+ private:
+  void tick();
+
+  std::string what_;
+  bool terminal_;
+  bool drawn_ = false;
+  bool done_ = false;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::thread ticker_;
+};
+
+/// What `work` returns; Working meanwhile.
+template <class Work>
+auto computing(std::string what, const Common& common, const Work& work) {
+  const Working working(std::move(what), common.quiet);
+  return work();
+}
 
 /// Stands for standard output in place of the name of a JSON file.
 inline constexpr std::string_view kStandardOutput = "-";

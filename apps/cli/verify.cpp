@@ -47,7 +47,7 @@ int run_verify(const VerifyCommand& o) {
                                         options.limits.usable));
   const OutputFolder page_folder = check_outputs(o.common);
   options.log = o.log.resolved();
-  report::VerifyReportInput page = verify(options);
+  report::VerifyReportInput page = computing("verify", o.common, [&] { return verify(options); });
   const report::Made made = made_from(inputs);
   page.command = made.command;
   page.version = made.version;

@@ -30,20 +30,22 @@ std::string way_to_newtons(const std::string& unit) {
 
 }  // namespace
 
+void require_axis_file_units(const std::string& force_unit, const std::string& position_unit) {
+  if (force_unit == "N" && position_unit == "m") return;
+  refuse_option(
+      "--output",
+      fmt::format(
+          "an axis file holds newtons and metres, but this log is in {} and {}; {}{}",
+          force_unit == "units" ? "a force without a unit" : force_unit, position_unit,
+          way_to_newtons(force_unit),
+          position_unit == "m"
+              ? ""
+              : " and --lead (for a rotary axis an angle, --lead \"360 deg\" where the motor turns the table directly)"));
+}
+
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
   const ident::Result& result = found.result;
-  if (result.force_unit != "N" || result.position_unit != "m") {
-    refuse_option(
-        "--output",
-        fmt::format(
-            "an axis file holds newtons and metres, but this log was identified in {} and "
-            "{}; {}{}",
-            result.force_unit == "units" ? "a force without a unit" : result.force_unit, result.position_unit,
-            way_to_newtons(result.force_unit),
-            result.position_unit == "m"
-                ? ""
-                : " and --lead (for a rotary axis an angle, --lead \"360 deg\" where the motor turns the table directly)"));
-  }
+  require_axis_file_units(result.force_unit, result.position_unit);
   if (found.holding_only && !result.friction.eccentric.empty()) {
     refuse_option("--output",
                   "an axis file needs mass and friction, which a log at standstill does not determine");

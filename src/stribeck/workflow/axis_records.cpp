@@ -145,6 +145,8 @@ std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const E
     (held ? standing : moving).add(std::move(clean));
   });
   AxisRecords axis = std::move(moves ? moving : standing).all();
+  if (how.for_axis_file && !axis.records.empty())
+    require_axis_file_units(axis.records.front().force_unit, axis.records.front().position_unit);
   Identification found = identify(axis, how);
   if (!moves || !stands) return {std::move(axis), std::move(found)};
   const AxisRecords held = std::move(standing).all();

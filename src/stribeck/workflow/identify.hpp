@@ -50,6 +50,8 @@ struct IdentifyOptions {
   std::string force_shift{};   ///< known time by which the force is later in the log than its motion, "2 ms"
   std::string cut_off{};       ///< of the low-pass filter, "50 Hz"
   std::string turn{};          ///< known travel of one turn, "10 mm"
+  /// Logs in other units than an axis file holds are refused before anything is computed.
+  bool for_axis_file = false;
 };
 
 /// Records of one axis from all its logs, and the findings from reading them.
@@ -112,6 +114,8 @@ friction::AxisModel as_model(const ident::Result& result);
 /// Why no reader takes an axis file; empty: it is sound.
 std::string why_unreadable(const std::string& axis_file);
 
+/// Refused with place --output unless these are newtons and metres.
+void require_axis_file_units(const std::string& force_unit, const std::string& position_unit);
 /// The same; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
 /// With the lost motion, where it is one (lost_motion_of()), and what the machine file says of the drive.

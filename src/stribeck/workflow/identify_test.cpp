@@ -464,15 +464,20 @@ TEST(Identify, NotesNameTheirLog) {
 
 TEST(Identify, OwnUnitIsNoAxisFile) {
   const Folder folder;
-  const workflow::AxisRecords axis =
-      workflow::read_axis({folder.write("v.csv", sines("t [s],x [mm],u [V]"))}, {});
+  const std::string log = folder.write("v.csv", sines("t [s],x [mm],u [V]"));
+  const workflow::AxisRecords axis = workflow::read_axis({log}, {});
   const workflow::Identification found = workflow::identify(axis, {});
-  try {
-    static_cast<void>(axis_file_model(found, axis));
-    ADD_FAILURE() << "accepted";
-  } catch (const io::InputError& e) {
-    EXPECT_THAT(e.problems().front().text(), HasSubstr("--output: an axis file holds newtons and metres"));
-    EXPECT_THAT(e.problems().front().text(), HasSubstr("give --gain"));
+  workflow::IdentifyOptions for_file;
+  for_file.for_axis_file = true;
+  for (const bool before : {false, true}) {
+    try {
+      if (before) static_cast<void>(workflow::identify_logs(std::vector{log}, {}, for_file));
+      if (!before) static_cast<void>(axis_file_model(found, axis));
+      ADD_FAILURE() << "accepted";
+    } catch (const io::InputError& e) {
+      EXPECT_THAT(e.problems().front().text(), HasSubstr("--output: an axis file holds newtons and metres"));
+      EXPECT_THAT(e.problems().front().text(), HasSubstr("give --gain"));
+    }
   }
 }
 
