@@ -80,12 +80,12 @@ void hold_known(const Data& data, const PeriodicOptions& options, std::vector<Li
   }
 }
 
-}  // namespace
-
-PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& options) {
+/// `behind`: rows count for a period as far as the low-pass leaves it. `stronger`: a line that does not count is stronger than all terms.
+PeriodicResult search(const PeriodicRows& rows, const PeriodicOptions& options, bool behind, bool& stronger) {
   PeriodicResult result;
   Data data;
-  if (!measure(rows, options, data, result) || !join(rows, data, result)) return result;
+  stronger = false;
+  if (!measure(rows, options, behind, data, result) || !join(rows, data, result)) return result;
   prepare_passes(data);
   const FrequencyGrid grid = frequencies(data);
   if (!(data.total > 0.0)) {
@@ -106,8 +106,19 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   hold_known(data, options, found, left);
   spectrum(data, grid, left);
   report(data, grid, left, options, found, result);
-  note_rejected(data, grid, left, found, rejected, result);
+  stronger = note_rejected(data, grid, left, found, rejected, result);
   return result;
+}
+
+}  // namespace
+
+PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& options) {
+  bool stronger = false, still = false;
+  PeriodicResult result = search(rows, options, false, stronger);
+  if (!stronger || rows.passed == nullptr) return result;
+  // Rows too fast for the low-pass may have spoken against it.
+  PeriodicResult again = search(rows, options, true, still);
+  return still || again.terms.size() <= result.terms.size() ? result : again;
 }
 
 }  // namespace stribeck::ident::map

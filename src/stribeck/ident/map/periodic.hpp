@@ -7,12 +7,13 @@
 ///
 /// 1. Neighbouring rows are averaged. From each pass (a stretch of one direction) a polynomial in x, at most cubic, is
 ///    removed; its ends, where reversals still act, get a lower weight.
-///    A row of a log behind a low-pass shows a period as far as that leaves it at its speed, and counts for it that far.
 /// 2. The least-squares spectrum is computed for both forms: the same sign in both directions (additive), or a sign that
 ///    changes with the direction (proportional).
 /// 3. The strongest line is tried as a term. It counts when it stands out of the background at neighbouring periods
 ///    (chance below 1e-3 over all lines), also after it has been taken out, and holds in passes that it was not fitted to. All terms are then refined together by
 ///    Gauss–Newton, far below the resolution λ²/stroke. The search ends when no line stands out.
+/// 4. Where a line that does not count is stronger than all that do, rows too fast for the low-pass of the log may have spoken against
+///    it: the search is repeated with rows that count for a period as far as the low-pass leaves it at their speed.
 ///
 /// Intervals and significance come from the residual spectrum beside the term itself, so that they hold under noise
 /// that is correlated in time or repeats at each pass.

@@ -92,7 +92,9 @@ struct Residual {
 
 // periodic_rows.cpp
 /// Refuses columns that do not belong together. Returns false, with a note, where the rows cannot show a period.
-bool measure(const PeriodicRows& rows, const PeriodicOptions& options, Data& data, PeriodicResult& result);
+/// `behind`: the low-pass of the log counts.
+bool measure(const PeriodicRows& rows, const PeriodicOptions& options, bool behind, Data& data,
+             PeriodicResult& result);
 /// Joins rows of one pass over a short travel to one group. Returns false, with a note, where these are too few.
 bool join(const PeriodicRows& rows, Data& data, PeriodicResult& result);
 /// Computes tapers, and an orthonormal basis of the polynomial of each pass under the weights.
@@ -133,8 +135,8 @@ void write_spectrum(const FrequencyGrid& grid, const Residual& left, PeriodicRes
 /// Terms with intervals; `left` is their residual.
 void report(const Data& data, const FrequencyGrid& grid, const Residual& left, const PeriodicOptions& options,
             const std::vector<Line>& found, PeriodicResult& result);
-/// A line that does not count, but is stronger than all terms that do.
-void note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
+/// A line that does not count, but is stronger than all terms that do; false: there is none.
+bool note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
                    const std::vector<Line>& found, const std::vector<double>& rejected,
                    PeriodicResult& result);
 /// What rows that show no term leave undetermined.

@@ -197,7 +197,7 @@ void report(const Data& data, const FrequencyGrid& grid, const Residual& left, c
   }
 }
 
-void note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
+bool note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& left,
                    const std::vector<Line>& found, const std::vector<double>& rejected,
                    PeriodicResult& result) {
   double most = 0.0;
@@ -214,11 +214,12 @@ void note_rejected(const Data& data, const FrequencyGrid& grid, const Residual& 
       most = left.power[form][j], f = other, amplitude = left.amplitude[form][j];
     }
   }
-  if (!(f > 0.0)) return;
+  if (!(f > 0.0)) return false;
   result.cannot_tell.push_back(fmt::format(
       "whether a force of about {} repeats every {}: it is stronger in the residual than the periodic "
       "terms found, but the passes do not agree on it; add slow strokes at constant speed",
       data.shown.force(amplitude), data.shown.length(1.0 / f)));
+  return true;
 }
 
 void report_none(const Data& data, PeriodicResult& result) {

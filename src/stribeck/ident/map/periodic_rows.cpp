@@ -74,7 +74,8 @@ void make_basis(Data& data, const Pass& p, double low, double travel) {
 
 }  // namespace
 
-bool measure(const PeriodicRows& rows, const PeriodicOptions& options, Data& data, PeriodicResult& result) {
+bool measure(const PeriodicRows& rows, const PeriodicOptions& options, bool behind, Data& data,
+             PeriodicResult& result) {
   check(rows, options);
   const std::size_t n = rows.x.size();
   if (n < kFewestGroups) {
@@ -110,7 +111,7 @@ bool measure(const PeriodicRows& rows, const PeriodicOptions& options, Data& dat
                       : std::max({4.0 * stats::median(std::move(steps)), data.length / kMostPeriods,
                                   path / (kMostGroups * kGroupSpan)});
   data.longest = options.longest > 0.0 ? options.longest : data.length / 3.0;
-  if (rows.passed != nullptr && !rows.blur.empty()) {
+  if (behind && rows.passed != nullptr && !rows.blur.empty()) {
     data.passed = rows.passed;
     // Periods that the low-pass leaves in nearly no row.
     constexpr double kSlowest = 0.1;

@@ -375,6 +375,13 @@ TEST(Periodic, StrokesTooFastForTheLowPassDoNotSpeakAgainstATerm) {
   EXPECT_NEAR(r.terms[0].term.period, 6.667e-3, 2e-6);
   EXPECT_NEAR(r.terms[1].term.amplitude, 5.0, 0.15);
   EXPECT_TRUE(r.cannot_tell.empty());
+  // Where the low-pass is not known, that there is a stronger one is said.
+  rows.blur.clear();
+  rows.passed = nullptr;
+  const PeriodicResult blind = find_periodic(rows);
+  ASSERT_EQ(blind.terms.size(), 1u);
+  EXPECT_THAT(blind.cannot_tell,
+              ::testing::Contains(HasSubstr("it is stronger in the residual than the periodic terms found")));
 }
 
 // Shares of a sine's amplitude behind the window, against the amplitude that the window leaves.
