@@ -162,7 +162,7 @@ TEST(LogStamps, ACounterOfRowsTellsWhichAreMissing) {
   EXPECT_THAT(log.notes, Contains(HasSubstr("the time is \"Index\" times 0.002 s")));
   ReadOptions options;
   options.sample_time = 0.25;
-  EXPECT_DOUBLE_EQ(parse("sample,x_mm\n0,1\n2,2\n4,3\n", options).columns.at(0).values.at(2), 1.0);
+  EXPECT_DOUBLE_EQ(parse("sample,x_mm\n0,1\n1,2\n4,3\n", options).columns.at(0).values.at(2), 1.0);
   // Not every number that increases counts rows.
   EXPECT_DOUBLE_EQ(parse("x_mm,f\n0,1\n2,2\n4,3\n", options).columns.at(0).values.at(2), 0.5);
 }
