@@ -269,7 +269,7 @@ void Description::write_shift() {
       tell_delay(kHeldForce, 0.0);
     if (const double later = found_.intervals.untaken_shift; later != 0.0)
       notes_.warn(text(
-          "the force fits its motion best %.2g ms %s than a force that is held for its row, but too little better to be taken; the "
+          "the force fits its motion better %.2g ms or more %s than a force that is held for its row, but by too little to be taken; the "
           "intervals of mass and friction allow for it (where the time is known, give it: --force-shift \"0 ms\" for a force that is "
           "measured at the instant of the position)",
           1e3 * std::abs(later) * T, later > 0.0 ? "later" : "earlier"));

@@ -201,6 +201,12 @@ std::string differs_along(const std::vector<Reading>& readings, std::optional<do
     at.minCoeff(&least);
     at.maxCoeff(&most);
     if (at(most) - at(least) < series.step()) continue;  // rounding alone makes that much
+    if (at(least) < -series.step())
+      return fmt::format(
+          "the readings are {} um larger where {:.4g} mm is approached in direction +, and {} um smaller at {:.4g} mm: the directions are "
+          "exchanged in some rows, or the indicator has slipped; one number stands for the mean",
+          digits(-at(least), 2), 1e3 * where[static_cast<std::size_t>(least)], digits(at(most), 2),
+          1e3 * where[static_cast<std::size_t>(most)]);
     return fmt::format(
         "lost motion differs along the travel: from {} um at {:.4g} mm to {} um at {:.4g} mm (wear of the screw or of the guide); one number "
         "stands for the mean",
@@ -339,11 +345,12 @@ LostMotion identify(const std::vector<Reading>& readings) {
   }
   double friction = 0.0;
   const bool apart = all.loaded() && told_apart(out, all, together, friction);
-  if (std::string differs = differs_along(series, apart ? std::optional(friction) : std::nullopt);
-      !differs.empty())
-    out.words.insert(out.words.begin(), std::move(differs));
+  std::string differs = differs_along(series, apart ? std::optional(friction) : std::nullopt);
+  const bool one = differs.empty();
+  if (!one) out.words.insert(out.words.begin(), std::move(differs));
   if (apart) return out;
   out.total = Estimate{1e-6 * total.value, 1e-6 * total.half_width};
+  if (!(total.low() > 0.0) && !one) return out;
   if (!(total.low() > 0.0)) {
     out.none = true;
     out.words.push_back(

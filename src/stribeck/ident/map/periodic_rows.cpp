@@ -114,8 +114,10 @@ bool measure(const PeriodicRows& rows, const PeriodicOptions& options, bool behi
   if (behind && rows.passed != nullptr && !rows.blur.empty()) {
     data.passed = rows.passed;
     // Periods that the low-pass leaves in nearly no row.
-    constexpr double kSlowest = 0.1;
-    const double blurred = std::min(stats::quantile(rows.blur, kSlowest), kShortOfLongest * data.longest);
+    constexpr double kSlowest = 0.1,
+                     kPassed = 0.5;  // of the cut-off's period: about a fifth of an amplitude is left
+    const double blurred =
+        std::min(kPassed * stats::quantile(rows.blur, kSlowest), kShortOfLongest * data.longest);
     if (!(options.shortest > 0.0)) data.shortest = std::max(data.shortest, blurred);
   }
   if (!(data.longest > 1.5 * data.shortest)) {

@@ -182,17 +182,19 @@ void complete_times(Log& log, const ReadOptions& options) {
   if (const Column* counter = detail::row_counter(log, of_machine);
       counter != nullptr && counter->values.size() == t.size()) {
     // What is given is the time between rows, unless it is the period of the machine.
-    const bool of_rows = options.sample_time && !(options.machine_period &&
-                                                  std::abs(*options.machine_period / *period - 1.0) < 1e-6);
+    const bool of_rows =
+        !of_machine && !(options.machine_period && std::abs(*options.machine_period / *period - 1.0) < 1e-6);
     detail::CountedTimes counted = detail::times_of_counter(*counter, *period, of_rows);
     if (!counted.even) {
       const bool one = counted.per_row == 1.0;
       log.notes.push_back(
           counted.text +
-          (options.sample_time ? of_rows && !one ? ", so that rows are the given sample time apart"
-                                                 : ", the given sample time"
-           : of_machine        ? ", the sample time of the machine file"
-                               : ", as the head of the file says: " + in_quotes(told.text)) +
+          (of_machine            ? ", the sample time of the machine file"
+           : options.sample_time ? of_rows && !one ? ", so that rows are the given sample time apart"
+                                                   : ", the given sample time"
+           : of_rows && !one
+               ? ", so that rows are as far apart as the head of the file says: " + in_quotes(told.text)
+               : ", as the head of the file says: " + in_quotes(told.text)) +
           "; rows that it does not count are missing" + (of_machine && one ? kOtherPeriod : ""));
       detail::add_time(log, std::move(counted.t), "s");
       return;

@@ -170,6 +170,18 @@ TEST(LogAbsent, TextOfJapanAndChina) {
   EXPECT_EQ(windows.columns[2].unit_text, "‰");
   EXPECT_THAT(windows.columns[1].values, ElementsAre(-6.5, -6.4, 6.3));
   EXPECT_EQ(windows.columns[2].values[1], -2.0);
+  const Log two = parse(
+      "t [ms];Moment [\x89];Strom [\x89]\n0;1;2\n1;2;\x96"
+      "3\n2;3;4\n");
+  EXPECT_EQ(two.columns[1].unit_text, "‰");
+  EXPECT_EQ(two.columns[2].unit_text, "‰");
+  // One minus, however many dashes there are.
+  for (const char* dash : {"\x96", "\u2212", "\u2013 "}) {
+    std::string many = "t [ms];x [mm]\n0;1\n1;";
+    for (int i = 0; i < 100'000; ++i) many += dash;
+    EXPECT_THROW(parse(many + "5\n2;3\n"), InputError);
+    EXPECT_THROW(parse("t [ms];x [mm]\n0;1\n1;" + std::string(dash) + dash + "5\n2;3\n"), InputError);
+  }
 }
 
 // An 8 kHz drive that writes every fourth cycle and counts cycles: what --sample-time gives is the time between rows.
@@ -182,6 +194,10 @@ TEST(LogAbsent, ACounterMayCountSeveralForARow) {
                                                DoubleNear(2e-3, 1e-12), DoubleNear(2.5e-3, 1e-12)));
   EXPECT_THAT(rows.notes,
               Contains(HasSubstr("counts 4 for each row, so that rows are the given sample time apart")));
+  // One step may be another, and a cell may be blank; a head that tells the time of rows counts as well.
+  const std::string odd = "Cycle,x [mm]\n0,1\n4,2\n8,3\n12,5\n13,6\n16,7\n20,8\n";
+  EXPECT_NEAR(parse_log(odd, "log.csv", options).at("t").values.back(), 2.5e-3, 1e-12);
+  EXPECT_NEAR(parse_log("Sample time: 500 us\n" + text, "log.csv", {}).at("t").values.back(), 2.5e-3, 1e-12);
   // The period of the machine is that of a cycle, given or not.
   options.machine_period = 125e-6;
   for (const bool said : {false, true}) {

@@ -38,18 +38,23 @@ int convert(const Converter& converter, std::string_view bytes, std::string& out
   return 0;
 }
 
-/// Shift-JIS: letters of two bytes, of which at least two begin with a byte that Latin-1 uses for control characters.
+/// Shift-JIS: letters of two bytes, of which at least two begin with a byte that Latin-1 uses for control characters, and two follow each
+/// other somewhere. In Windows-1252 the sign of per mille and the bracket behind it are such a pair.
 bool may_be_shift_jis(std::string_view head) {
-  std::size_t sure = 0;
+  std::size_t sure = 0, run = 0, longest = 0;
   for (std::size_t i = 0; i < head.size(); ++i) {
     const auto c = static_cast<unsigned char>(head[i]);
-    if (c < 0x80 || (c >= 0xA1 && c <= 0xDF)) continue;
+    if (c < 0x80 || (c >= 0xA1 && c <= 0xDF)) {
+      run = 0;
+      continue;
+    }
+    longest = std::max(longest, ++run);
     if (c == 0x80 || c == 0xA0 || c > 0xFC || ++i == head.size()) return false;
     const auto next = static_cast<unsigned char>(head[i]);
     if (next < 0x40 || next == 0x7F || next > 0xFC) return false;
     if (c <= 0x9F) ++sure;
   }
-  return sure >= 2;
+  return sure >= 2 && longest >= 2;
 }
 
 /// GB 2312: all letters outside ASCII are pairs, and two follow each other somewhere, as no word of Latin-1 has it.

@@ -253,13 +253,15 @@ bool counts_up(const std::vector<double>& values) {
 
 CountedTimes times_of_counter(const Column& counter, double period, bool of_rows) {
   const std::vector<double>& n = counter.values;
-  double step = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < n.size(); ++i) step = std::min(step, n[i] - n[i - 1]);
-  const bool whole = std::isfinite(step) && step >= 1.0 && std::all_of(n.begin(), n.end(), [&](double count) {
-                       return std::fmod(count - n.front(), step) == 0.0;
-                     });
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < n.size(); ++i)
+    if (n[i] > n[i - 1]) steps.push_back(n[i] - n[i - 1]);
   CountedTimes out;
-  out.per_row = whole ? step : 1.0;
+  if (!steps.empty()) {
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    out.per_row = std::max(1.0, *middle);
+  }
   const double per_row = of_rows ? out.per_row : 1.0, each = period / per_row;
   for (std::size_t i = 0; i < n.size(); ++i) {
     const double count = n[i] - n.front();

@@ -104,18 +104,9 @@ std::string as_utf8(std::string_view in) {
   return out;
 }
 
-std::optional<double> cell_number(std::string_view cell, char decimal) {
-  cell = trimmed(cell);
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-    cell = trimmed(cell.substr(1, cell.size() - 2));
-  // The minus of a typesetter, which word processors and some spreadsheets write, and the dash that Windows-1252 has for it.
-  for (const std::string_view minus : {"\u2212", "\u2013", "\x96"}) {
-    if (!cell.starts_with(minus)) continue;
-    const std::string_view rest = cell.substr(minus.size());
-    const bool sign = rest.starts_with('-') || rest.starts_with('+') || rest.starts_with("\xE2");
-    const auto value = sign ? std::nullopt : cell_number(rest, decimal);
-    return value ? std::optional(-*value) : std::nullopt;
-  }
+namespace {
+
+std::optional<double> plain_number(std::string_view cell, char decimal) {
   if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-') cell.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] =
@@ -127,6 +118,23 @@ std::optional<double> cell_number(std::string_view cell, char decimal) {
   const bool minus_behind = end + 1 == cell.data() + cell.size() && *end == '-' &&
                             std::isdigit(static_cast<unsigned char>(cell[0])) != 0;
   return minus_behind ? std::optional(-value) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> cell_number(std::string_view cell, char decimal) {
+  cell = trimmed(cell);
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+    cell = trimmed(cell.substr(1, cell.size() - 2));
+  // The minus of a typesetter, which word processors and some spreadsheets write, and the dash that Windows-1252 has for it.
+  for (const std::string_view minus : {"\u2212", "\u2013", "\x96"}) {
+    if (!cell.starts_with(minus)) continue;
+    const std::string_view rest = trimmed(cell.substr(minus.size()));
+    if (rest.starts_with('-') || rest.starts_with('+')) return std::nullopt;
+    const auto value = plain_number(rest, decimal);
+    return value ? std::optional(-*value) : std::nullopt;
+  }
+  return plain_number(cell, decimal);
 }
 
 bool looks_like_number(std::string_view cell) {

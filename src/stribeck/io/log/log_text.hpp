@@ -172,7 +172,7 @@ const Column* row_counter(const Log& log, bool of_control);
 /// Times from a counter. It may count several for each row, as the cycles of a drive that writes every fourth.
 struct CountedTimes {
   std::vector<double> t;  ///< [s]
-  double per_row = 1.0;   ///< the smallest step, where all steps are multiples of it; else 1
+  double per_row = 1.0;   ///< the middle one of all steps
   bool even = true;       ///< the rows stand where they would without the counter
   std::string text;       ///< how the time follows from it
 };
