@@ -300,7 +300,7 @@ struct Turn {
   double ways = 0.0;
 };
 
-constexpr double kOneWay = 0.5;  ///< of all ways: the angle goes one way
+constexpr double kOneSense = 0.5;  ///< of all ways: the angle goes one way
 
 Turn turn_of(const Piece& piece, const std::vector<double>& angles) {
   constexpr double kLeastWay = kPi / 180.0;  // below it is the noise of an angle
@@ -322,7 +322,7 @@ bool is_reversed(const io::Log& log, const BallBarColumns::Series& s, const Piec
   if (!piece.counter_clockwise || piece.last - piece.first < kFewRows) return false;
   const Turn turn = turn_of(piece, angles);
   if (turn.ways == 0.0) return false;
-  if (std::abs(turn.sum) < kOneWay * turn.ways)
+  if (std::abs(turn.sum) < kOneSense * turn.ways)
     throw io::InputError(
         {log.source, 0, header_of(*s.angle.column),
          fmt::format("{}, but their angle goes forth and back, {} deg in all and {} deg from the "
@@ -433,7 +433,7 @@ CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, do
     if (columns.direction == nullptr && !s.counter_clockwise) {
       const Turn turn = turn_of({0, angles.size(), std::nullopt}, angles);
       const double increase = mirrored ? -turn.sum : turn.sum;
-      if (increase > kOneWay * turn.ways) note_untold(!mirrored, t.notes);
+      if (increase > kOneSense * turn.ways) note_untold(!mirrored, t.notes);
     }
     if (angles.size() != radii.size())
       throw io::InputError({log.source, 0, s.angle.column->name,
