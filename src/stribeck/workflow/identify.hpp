@@ -116,7 +116,7 @@ std::string why_unreadable(const std::string& axis_file);
 
 /// Refused with place --output unless these are newtons and metres.
 void require_axis_file_units(const std::string& force_unit, const std::string& position_unit);
-/// The same; refused with place --output unless the result holds for both directions in newtons and metres.
+/// The content of an axis file; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
 /// With the lost motion, where it is one (lost_motion_of()), and what the machine file says of the drive.
 sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis,

@@ -59,7 +59,7 @@ void add_periodic(Result& result, const Found& found, Notes& notes) {
     const double turn = found.intervals.factor * found.intervals.error_of(across);
     const double at_zero = carried(turn, periodic[n], middle);
     const Interval size{amplitude - half, amplitude + half}, angle{phase - at_zero, phase + at_zero};
-    const bool told = carried(turn, periodic[n], middle) < 0.5 * kPi;
+    const bool told = at_zero < 0.5 * kPi;
     const friction::Eccentric<double> term{amplitude, periodic[n].period, phase, periodic[n].form};
     if (turns && friction::is_unbalance(term)) {
       add("unbalance", amplitude, force, force, size, half < amplitude);
