@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
 #include <stribeck/ident/stats/linear.hpp>
@@ -53,26 +54,41 @@ CauseRows mean_laps(const CauseRows& all) {
   return out;
 }
 
-/// How much two further columns lower the squared rest.
-double gain_of(const CauseFit& fit, const CauseRows& rows, const Pitch& pitch) {
+/// How much columns of a pitch that is `first`, `first` + `step`, … per metre lower the squared rest, for each of `count`.
+std::vector<double> gains_of(const CauseFit& fit, const CauseRows& rows, int axis, double first, double step,
+                             Eigen::Index count) {
   const Eigen::Index n = fit.rest.size();
-  Eigen::MatrixXd two(n, 2);
+  Eigen::MatrixXd waves(n, 2 * count);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double a = rows.rows[fit.used[static_cast<std::size_t>(i)]].angle;
-    const double along = pitch.axis == 0 ? std::cos(a) : std::sin(a);
-    const double phase = 2.0 * kPi * rows.radius * along / pitch.length;
-    two(i, 0) = along * std::cos(phase);
-    two(i, 1) = along * std::sin(phase);
+    const double along = axis == 0 ? std::cos(a) : std::sin(a);
+    const double travel = 2.0 * kPi * rows.radius * along;
+    std::complex<double> wave = along * std::polar(1.0, travel * first);
+    // From one pitch to the next the phase of a row turns by the same angle.
+    const std::complex<double> turn = count > 1 ? std::polar(1.0, travel * step) : 1.0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      waves(i, 2 * k) = wave.real();
+      waves(i, 2 * k + 1) = wave.imag();
+      wave = {wave.real() * turn.real() - wave.imag() * turn.imag(),
+              wave.real() * turn.imag() + wave.imag() * turn.real()};
+    }
   }
   // Only what the other columns do not explain already counts.
-  const Eigen::MatrixXd cross = fit.X.transpose() * two;
-  const Eigen::MatrixXd own = two.transpose() * two - cross.transpose() * fit.inverse * cross;
-  const Eigen::VectorXd with = two.transpose() * fit.rest;
-  const double det = own(0, 0) * own(1, 1) - own(0, 1) * own(1, 0);
-  if (!(det > 1e-6 * own(0, 0) * own(1, 1))) return 0.0;
-  return (with(0) * with(0) * own(1, 1) - 2.0 * with(0) * with(1) * own(0, 1) +
-          with(1) * with(1) * own(0, 0)) /
-         det;
+  const Eigen::MatrixXd cross = fit.X.transpose() * waves;
+  const Eigen::MatrixXd explained = fit.inverse * cross;
+  const Eigen::VectorXd with = waves.transpose() * fit.rest;
+  std::vector<double> out(static_cast<std::size_t>(count), 0.0);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto two = waves.middleCols(2 * k, 2);
+    const Eigen::Matrix2d own =
+        two.transpose() * two - cross.middleCols(2 * k, 2).transpose() * explained.middleCols(2 * k, 2);
+    const Eigen::Vector2d y = with.segment(2 * k, 2);
+    const double det = own(0, 0) * own(1, 1) - own(0, 1) * own(1, 0);
+    if (!(det > 1e-6 * own(0, 0) * own(1, 1))) continue;
+    out[static_cast<std::size_t>(k)] =
+        (y(0) * y(0) * own(1, 1) - 2.0 * y(0) * y(1) * own(0, 1) + y(1) * y(1) * own(0, 0)) / det;
+  }
+  return out;
 }
 
 /// The pitch that lowers the rest most, beside those that are known.
@@ -85,17 +101,25 @@ class PitchSearch {
     if (fit_.rest.size() == 0) return;
     const double slow = 1.25 / rows_.radius;
     for (const int axis : {0, 1}) {
-      for (double f = slow; f <= fastest(); f += step) {
-        if (!is_known(axis, f)) try_one(axis, f);
+      for (double f = slow; f <= fastest(); f += static_cast<double>(kAtOnce) * step) {
+        const std::vector<double> gains = gains_of(fit_, rows_, axis, f, step, kAtOnce);
+        for (Eigen::Index k = 0; k < kAtOnce; ++k) {
+          const double at = f + static_cast<double>(k) * step;
+          if (at <= fastest() && !is_known(axis, at)) take(axis, at, gains[static_cast<std::size_t>(k)]);
+        }
       }
     }
   }
-  void from(const Pitch& pitch) { try_one(pitch.axis, 1.0 / pitch.length); }
+  void from(const Pitch& pitch) {
+    take(pitch.axis, 1.0 / pitch.length,
+         gains_of(fit_, rows_, pitch.axis, 1.0 / pitch.length, 0.0, 1).front());
+  }
   void finer(double step) {
     for (double finer = 0.25 * step; finer > 0.001 * step && gain_ > 0.0; finer *= 0.5) {
       const double f = 1.0 / best_.length;
-      try_one(best_.axis, f - finer);
-      try_one(best_.axis, f + finer);
+      const std::vector<double> gains = gains_of(fit_, rows_, best_.axis, f - finer, 2.0 * finer, 2);
+      take(best_.axis, f - finer, gains[0]);
+      take(best_.axis, f + finer, gains[1]);
     }
   }
   [[nodiscard]] bool clear(double times) const {
@@ -111,6 +135,7 @@ class PitchSearch {
 
  private:
   static constexpr double kApart = 0.75;
+  static constexpr Eigen::Index kAtOnce = 16;
 
   /// Four steps in a period.
   [[nodiscard]] double fastest() const { return 0.25 / (rows_.radius * rows_.step); }
@@ -120,8 +145,7 @@ class PitchSearch {
       return p.axis == axis && std::abs(1.0 / p.length - per_metre) < kApart / rows_.radius;
     });
   }
-  void try_one(int axis, double per_metre) {
-    const double gain = gain_of(fit_, rows_, {axis, 1.0 / per_metre});
+  void take(int axis, double per_metre, double gain) {
     if (gain <= gain_) return;
     gain_ = gain;
     best_ = {axis, 1.0 / per_metre};
