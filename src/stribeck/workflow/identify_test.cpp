@@ -77,6 +77,18 @@ TEST(Identify, FindsMassAndFrictionOfALog) {
   EXPECT_THAT(text_of(found, "x"), HasSubstr("mass"));
 }
 
+TEST(Identify, SaysOnceWhatIsTrueOfSeveralLogs) {
+  const Folder folder;
+  const std::string first = folder.write("first.csv", sines("t [s],x [mm],i [A]"));
+  const std::string second = folder.write("second.csv", sines("t [s],x [mm],i [A]", 1.0));
+  const workflow::AxisRecords axis = workflow::read_axis({first, second}, {});
+  std::vector<std::string> of_scale;
+  std::copy_if(axis.notes.begin(), axis.notes.end(), std::back_inserter(of_scale),
+               [](const auto& note) { return note.find("scale of the force") != std::string::npos; });
+  ASSERT_EQ(of_scale.size(), 1U);
+  EXPECT_THAT(of_scale.front(), ::testing::StartsWith(first + ", " + second + ": "));
+}
+
 // Motion alone cannot tell a load from friction that differs by direction; the machine file can.
 TEST(Identify, ALoadOfZeroInTheMachineFileLeavesTheDifferenceToFriction) {
   const Folder folder;
