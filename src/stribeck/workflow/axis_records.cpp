@@ -46,7 +46,7 @@ CleanedLog cleaned(const io::Log& log, const std::string& name, const LogOptions
   return out;
 }
 
-/// What is said of logs. The same words of several logs stand once, behind the names of these.
+/// Notes about the logs. Where several logs have the same note, it stands once, behind their names.
 class NotesOfLogs {
  public:
   void add(const std::string& log, const std::string& note) {

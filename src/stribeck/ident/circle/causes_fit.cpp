@@ -54,7 +54,7 @@ CauseRows mean_laps(const CauseRows& all) {
   return out;
 }
 
-/// How much columns of a pitch that is `first`, `first` + `step`, … per metre lower the squared rest, for each of `count`.
+/// For each of `count` pitches, `first`, `first` + `step`, … periods per metre: how much its two columns lower the squared rest.
 std::vector<double> gains_of(const CauseFit& fit, const CauseRows& rows, int axis, double first, double step,
                              Eigen::Index count) {
   const Eigen::Index n = fit.rest.size();
@@ -64,7 +64,8 @@ std::vector<double> gains_of(const CauseFit& fit, const CauseRows& rows, int axi
     const double along = axis == 0 ? std::cos(a) : std::sin(a);
     const double travel = 2.0 * kPi * rows.radius * along;
     std::complex<double> wave = along * std::polar(1.0, travel * first);
-    // From one pitch to the next the phase of a row turns by the same angle.
+    // From one pitch to the next the phase of a row turns by the same angle. The product is written out: that of std::complex looks
+    // for NaN each time.
     const std::complex<double> turn = count > 1 ? std::polar(1.0, travel * step) : 1.0;
     for (Eigen::Index k = 0; k < count; ++k) {
       waves(i, 2 * k) = wave.real();
