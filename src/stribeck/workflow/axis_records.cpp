@@ -12,6 +12,7 @@
 #include <stribeck/ident/methods/position_map.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/report/said_once.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
 #include <stribeck/workflow/log/fingerprint.hpp>
@@ -46,44 +47,6 @@ CleanedLog cleaned(const io::Log& log, const std::string& name, const LogOptions
   return out;
 }
 
-/// Notes about the logs. Where several logs have the same note, it stands once, behind their names.
-class NotesOfLogs {
- public:
-  void add(const std::string& log, const std::string& note) {
-    const std::string head = log + ": ";
-    const bool of_log = note.starts_with(head) || !note.starts_with(log);
-    const std::string text = note.starts_with(head) ? note.substr(head.size()) : note;
-    const auto same = std::find_if(all_.begin(), all_.end(), [&](const Said& said) {
-      return of_log && !said.logs.empty() && said.text == text;
-    });
-    if (same == all_.end())
-      all_.push_back({of_log ? std::vector{log} : std::vector<std::string>{}, text});
-    else if (same->logs.back() != log)
-      same->logs.push_back(log);
-  }
-  [[nodiscard]] std::vector<std::string> all() const {
-    constexpr std::size_t kMost = 4;  // names; more are counted
-    std::vector<std::string> out;
-    for (const auto& [logs, text] : all_) {
-      if (logs.empty()) {
-        out.push_back(text);
-      } else if (logs.size() <= kMost) {
-        out.push_back(fmt::format("{}: {}", fmt::join(logs, ", "), text));
-      } else {
-        out.push_back(fmt::format("{}, {} and {} other logs: {}", logs[0], logs[1], logs.size() - 2, text));
-      }
-    }
-    return out;
-  }
-
- private:
-  struct Said {
-    std::vector<std::string> logs;  ///< none: the text names its log itself
-    std::string text;
-  };
-  std::vector<Said> all_;
-};
-
 /// The records of one axis, log by log.
 class RecordsOfAxis {
  public:
@@ -106,7 +69,7 @@ class RecordsOfAxis {
     for (std::size_t i = 0; i < logs_.size(); ++i) {
       if (!holders[i]) take(std::move(logs_[i]));
     }
-    for (std::string& note : notes_.all()) axis_.notes.push_back(std::move(note));
+    for (std::string& note : report::said_once(notes_, names_)) axis_.notes.push_back(std::move(note));
     constexpr double kFewRows = 100.0;  // fewer rows in a direction come from settling
     constexpr double kShare = 0.1;      // of a short log
     const double least = std::min(kFewRows, kShare * moving_);
@@ -124,7 +87,9 @@ class RecordsOfAxis {
       if (f.kind == "commanded") axis_.commanded = log.name;
     }
     if (log.encoders) axis_.encoders.push_back(std::move(*log.encoders));
-    for (const std::string& note : log.notes) notes_.add(log.name, note);
+    for (const std::string& note : log.notes)
+      notes_.push_back(note.starts_with(log.name) ? note : log.name + ": " + note);
+    names_.push_back(log.name);
     const ident::log::Conditioned& clean = log.log;
     const double moving = static_cast<double>(clean.sampling.rows) * clean.coverage.moving;
     const auto counts = [&](double share) { return share > kFewForward ? share * moving : 0.0; };
@@ -137,7 +102,8 @@ class RecordsOfAxis {
   }
 
   AxisRecords axis_;
-  NotesOfLogs notes_;
+  std::vector<std::string> notes_;
+  std::vector<std::string> names_;
   std::vector<CleanedLog> logs_;
   double moving_ = 0.0;   ///< rows of all logs
   double forward_ = 0.0;  ///< those of them that go forward

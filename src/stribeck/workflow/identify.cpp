@@ -17,6 +17,7 @@
 #include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/report/said_once.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -419,6 +420,9 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   doubt_size(result);
   if (!axis.encoders.empty()) found.lost_motion = ident::lost_motion::identify(axis.encoders);
+  std::vector<std::string> logs;
+  for (const ident::log::Record& r : axis.records) logs.push_back(r.source);
+  result.warnings = report::said_once(result.warnings, logs);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
   return found;
 }

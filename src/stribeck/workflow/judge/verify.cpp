@@ -10,6 +10,7 @@
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/report/said_once.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/missed_force.hpp>
 #include <stribeck/workflow/judge/own_logs.hpp>
@@ -321,6 +322,7 @@ class Verification {
       add_log(o_.logs[i], o_.read.empty() ? read_log(o_.logs[i], log_) : o_.read[i]);
     if (page_.parts.empty())
       throw ident::Refused(why_.empty() ? o_.logs.front() + ": no part can be replayed" : why_);
+    page_.warnings = report::said_once(page_.warnings, o_.logs);
     return std::move(page_);
   }
 
