@@ -77,32 +77,65 @@ std::string whose_loop(const ComparisonPlan& plan, const ComparisonOptions& o) {
   return words;
 }
 
+namespace {
+
+bool compensates(const sim::ControllerSpec& c) {
+  return c.friction != sim::FrictionUse::kNone || c.observer != control::Observer::kNone;
+}
+
+/// The rows of a travel that were simulated: without compensation, and those with compensation under the same law.
+struct RowsOfTravel {
+  const sim::CompareRow* plain = nullptr;
+  std::vector<const sim::CompareRow*> others;
+};
+
+RowsOfTravel rows_of(const sim::CompareResult& result, std::size_t travel) {
+  RowsOfTravel rows;
+  for (const sim::CompareRow& r : result.rows) {
+    if (r.travel != travel || !r.refused.empty() || !std::isfinite(r.mean.max_contour_error)) continue;
+    if (compensates(r.controller))
+      rows.others.push_back(&r);
+    else if (rows.plain == nullptr)
+      rows.plain = &r;
+  }
+  if (rows.plain != nullptr) {
+    const std::size_t law = rows.plain->controller.law.index();
+    std::erase_if(rows.others, [law](const sim::CompareRow* r) { return r->controller.law.index() != law; });
+  }
+  return rows;
+}
+
+}  // namespace
+
 std::vector<std::string> harmful_speeds(const sim::CompareResult& result) {
   std::vector<std::string> all;
   constexpr double kMore = 1.05;  // less is chance
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
-    const sim::CompareRow* plain = nullptr;
-    const sim::CompareRow* best = nullptr;
-    for (const sim::CompareRow& r : result.rows) {
-      if (r.travel != travel || !r.refused.empty() || !std::isfinite(r.mean.max_contour_error)) continue;
-      const sim::ControllerSpec& c = r.controller;
-      const bool compensates =
-          c.friction != sim::FrictionUse::kNone || c.observer != control::Observer::kNone;
-      if (plain != nullptr && c.law.index() != plain->controller.law.index()) continue;  // of another law
-      if (!compensates) {
-        if (plain == nullptr) plain = &r;
-      } else if (best == nullptr || r.mean.max_contour_error < best->mean.max_contour_error) {
-        best = &r;
-      }
-    }
-    if (plain == nullptr || best == nullptr ||
-        !(best->mean.max_contour_error > kMore * plain->mean.max_contour_error))
+    const RowsOfTravel rows = rows_of(result, travel);
+    if (rows.plain == nullptr || rows.others.empty()) continue;
+    const double without = rows.plain->mean.max_contour_error;
+    const std::string pace = result.spec.travels[travel].pace_in_words();
+    const auto largest = [](const sim::CompareRow* r) { return r->mean.max_contour_error; };
+    const sim::CompareRow* best = *std::min_element(
+        rows.others.begin(), rows.others.end(),
+        [&](const sim::CompareRow* x, const sim::CompareRow* y) { return largest(x) < largest(y); });
+    if (largest(best) > kMore * without) {
+      all.push_back(fmt::format(
+          "at {} every compensation does harm: ({}) leaves {:.3g} um without any, ({}), the best of the others, {:.3g} um (leave it off for "
+          "such motion, or compare with a finer encoder, a shorter control period or another interface of the drives, --drive)",
+          pace, rows.plain->controller.id, 1e6 * without, best->controller.id, 1e6 * largest(best)));
       continue;
-    all.push_back(fmt::format(
-        "at {} every compensation does harm: ({}) leaves {:.3g} um without any, ({}), the best of the others, {:.3g} um (leave it off for "
-        "such motion, or compare with a finer encoder, a shorter control period or another interface of the drives, --drive)",
-        result.spec.travels[travel].pace_in_words(), plain->controller.id,
-        1e6 * plain->mean.max_contour_error, best->controller.id, 1e6 * best->mean.max_contour_error));
+    }
+    std::string worse;
+    for (const sim::CompareRow* r : rows.others) {
+      if (largest(r) > kMore * without)
+        worse +=
+            fmt::format("{}({}) {:.3g} um", worse.empty() ? "" : ", ", r->controller.id, 1e6 * largest(r));
+    }
+    if (!worse.empty())
+      all.push_back(
+          fmt::format("at {} some compensation does harm: {}, where ({}) leaves {:.3g} um without any", pace,
+                      worse, rows.plain->controller.id, 1e6 * without));
   }
   return all;
 }

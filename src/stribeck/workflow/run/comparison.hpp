@@ -56,7 +56,8 @@ struct ComparisonPlan {
 /// Experiment, path and controllers for a machine; options.machine only names it in messages.
 ComparisonPlan plan_comparison(const ComparisonOptions& options, sim::Machine machine);
 
-/// A sentence for each speed at which every compensation leaves a larger error than none: in a table of many rows it is overlooked.
+/// A sentence for each speed at which every compensation leaves a larger error than none, or which do: in a table of many rows it is
+/// overlooked.
 std::vector<std::string> harmful_speeds(const sim::CompareResult& result);
 
 /// On a machine of one's own: (a) is a rule for recording, not the loop of the control. Empty elsewhere.

@@ -92,6 +92,11 @@ TEST(Comparison, SaysWhereCompensationDoesHarm) {
       ElementsAre(AllOf(HasSubstr("at 5 mm/s every compensation does harm: (a) leaves 14.7 um without any"),
                         HasSubstr("(b), the best of the others, 24.5 um"))));
   result.rows[1].mean.max_contour_error = 14e-6;
+  EXPECT_THAT(
+      harmful_speeds(result),
+      ElementsAre(
+          "at 5 mm/s some compensation does harm: (i) 48.6 um, where (a) leaves 14.7 um without any"));
+  result.rows[2].mean.max_contour_error = 15e-6;
   EXPECT_THAT(harmful_speeds(result), testing::IsEmpty());
 }
 
