@@ -108,8 +108,10 @@ TEST(Board, GivesTheSameBytesOnAnyNumberOfThreads) {
   o.threads = 2;
   EXPECT_EQ(report::to_json(run_board(o)).dump(), one);
   EXPECT_THAT(one, HasSubstr("\"costs\":null"));
-  o.seed = 6;
-  EXPECT_NE(report::to_json(run_board(o)).dump(), one);
+  const auto mass = [](std::uint64_t seed) {
+    return board_machines(seed, 1)[0].machine.axes[0].second.plant.total_mass();
+  };
+  EXPECT_NE(mass(6), mass(5));
 }
 
 // Right, none, wrong: the sign of the friction alone decides the order. Three steps of 1 : 0 : −1 times the level.
