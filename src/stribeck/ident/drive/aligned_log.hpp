@@ -41,6 +41,8 @@ struct AlignedLog {
   std::vector<std::vector<double>>
       predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion behind a longer window; empty: open loop, or closed loop without a reference
   double shift = kHeldForce;  ///< of the force, as in MotionOptions [rows]
+  double held =
+      kHeldForce;  ///< the shift while none is fitted: of a held force, or what the reversals tell [rows]
 };
 
 /// `mass_is_given`: nothing is said of how well the motion tells it.

@@ -262,6 +262,17 @@ void Description::write_shift() {
     result_.given_shift = *options_.shift * T;
     tell_delay(*options_.shift, 0.0);
   }
+  const auto removed = [&](double shift, const char* why) {
+    notes_.warn(
+        text("in the log the force is %.3g rows (%.3g ms) %s than its motion%s; this shift is removed",
+             std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier", why));
+  };
+  if (!found_.terms.shift && !options_.shift && found_.log.shift != kHeldForce) {
+    tell_delay(found_.log.shift, half);
+    add("force_shift", found_.log.shift * T, "s", "ms", found_.intervals.shift_error * T, true);
+    removed(found_.log.shift, ", as friction shows where the motion reverses");
+    return;
+  }
   if (!found_.terms.shift) {
     if (half > kVagueShift)
       say("the force is taken as commanded, but");
@@ -281,8 +292,7 @@ void Description::write_shift() {
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;
   if (!told) say("the one with the smallest residual is removed, but");
-  notes_.warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
-                   std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier"));
+  removed(shift, "");
 }
 
 void Description::write_symmetric() {

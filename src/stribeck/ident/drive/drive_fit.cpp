@@ -49,7 +49,8 @@ struct Fitted {
   /// The shift that was removed [s]; 0: none.
   [[nodiscard]] double shift() const {
     const AlignedLog& log = placed.stage.log;
-    return placed.stage.terms.shift ? log.shift * log.records.front().sample_time : 0.0;
+    const bool removed = placed.stage.terms.shift || log.shift != kHeldForce;
+    return removed ? log.shift * log.records.front().sample_time : 0.0;
   }
   /// Half width of the interval of the shift [rows].
   [[nodiscard]] double shift_half() const {

@@ -11,6 +11,8 @@
 ///
 /// Inside ident only. Real time: no.
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <stribeck/ident/drive/linear_fit.hpp>
 #include <stribeck/ident/drive/rows.hpp>
@@ -31,6 +33,35 @@ void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const 
 
 /// Needs terms.shift; aligns the log again.
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit);
+
+/// What the rows around reversals say of the shift. On a single sine a shift looks like a mass in the rows that slide; where friction
+/// changes its direction it does not: there it comes with the motion, in a distance that is not known.
+struct Told {
+  double shift = kHeldForce;  ///< that leaves least force around reversals [rows]
+  /// Mean square of the force that is left around reversals: at this shift, at the one found and at that of a held force; and in the rows
+  /// that slide, at this shift [N²]. NaN: there are no reversals.
+  double least = std::numeric_limits<double>::quiet_NaN();
+  double of_found = std::numeric_limits<double>::quiet_NaN();
+  double of_held = std::numeric_limits<double>::quiet_NaN();
+  double of_sliding = std::numeric_limits<double>::quiet_NaN();
+  double found = kHeldForce;  ///< in the rows that slide [rows]
+
+  /// Whether the shift found leaves much more than this one. Within two rows the rows that slide know better: how friction comes with the
+  /// motion is a model.
+  [[nodiscard]] bool refutes_found() const noexcept { return refutes(found, of_found, 2.0); }
+  [[nodiscard]] bool refutes_held() const noexcept { return refutes(kHeldForce, of_held, 1.0); }
+
+ private:
+  [[nodiscard]] bool refutes(double other, double left, double near) const noexcept {
+    constexpr double kMuchMore = 2.0;
+    constexpr double kExplained =
+        20.0;  // of the rows that slide: what is left means that friction reverses in another way
+    return left > kMuchMore * least && least < kExplained * of_sliding && std::abs(other - shift) > near;
+  }
+};
+
+/// `found`: the shift of least residual in the rows that slide; `fit` of any shift. Aligns the log as it was before.
+Told ask_reversals(AlignedLog& log, const Rows& rows, Terms terms, const LinearFit& fit, double found);
 
 /// Sets terms.shift and aligns the log; the fit that belongs to both.
 LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit);

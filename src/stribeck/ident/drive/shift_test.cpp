@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
+#include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
@@ -78,6 +80,49 @@ TEST(Shift, IsKeptWhenTheResidualIsSmallerForIt) {
   EXPECT_TRUE(terms.shift);
   EXPECT_NEAR(s.log.shift, 4.0, 0.1);
   EXPECT_EQ(fit.value.size(), 2);
+}
+
+/// One sine of 20 mm at 0.5 Hz: 300 kg, 100 N of friction that comes with the motion within 5 um, 3333 N s/m, the force `late` rows later.
+log::Record one_sine(int late, double viscous, double noise_level) {
+  constexpr int kFine = 10, kRows = 12'000, kMore = 40;
+  constexpr double kStep = 1e-3, kW = M_PI, kDistance = 5e-6;
+  std::mt19937_64 engine(6);
+  std::normal_distribution<double> noise(0.0, noise_level);
+  log::Record r;
+  r.source = "sine.csv";
+  r.sample_time = kStep;
+  double bristle = kDistance;
+  std::vector<double> force;
+  for (int k = 0; k < kFine * (kRows + kMore); ++k) {
+    const double t = kStep / kFine * k, v = 0.02 * kW * std::cos(kW * t);
+    const double left = std::exp(-std::abs(v) * kStep / kFine / kDistance);
+    bristle = left * bristle + (v > 0.0 ? 1.0 : -1.0) * kDistance * (1.0 - left);
+    if (k % kFine != 0) continue;
+    const double x = 0.02 * std::sin(kW * t);
+    force.push_back(-300.0 * kW * kW * x + viscous * v + 100.0 * bristle / kDistance + noise(engine));
+    if (k / kFine < kMore / 2 || k / kFine >= kRows + kMore / 2) continue;
+    r.t.push_back(t);
+    r.x.push_back(1e-8 * std::round(x / 1e-8));
+  }
+  for (std::size_t k = 0; k < r.x.size(); ++k)
+    r.f.push_back(force[static_cast<std::size_t>(static_cast<int>(k) + kMore / 2 - late)]);
+  return r;
+}
+
+// In the rows that slide, the pre-sliding that is left behind each reversal looked like a shift of −19 rows and a mass of 236 kg.
+TEST(Shift, OnOneSineTheReversalsTellIt) {
+  for (const auto& [late, viscous, noise] :
+       {std::tuple{0, 3333.0, 1.0}, {-10, 3333.0, 1.0}, {3, 800.0, 1.0}, {10, 3333.0, 5.0}}) {
+    const Result found = identify_drive({one_sine(late, viscous, noise)});
+    EXPECT_LT(found.mass_interval.low, 300.0) << late;
+    EXPECT_GT(found.mass_interval.high, 300.0) << late;
+    EXPECT_NEAR(found.mass, 300.0, 4.0) << late;
+    const Parameter* shift = found.find("force_shift");
+    EXPECT_EQ(shift == nullptr, late == 0);
+    if (shift != nullptr) {
+      EXPECT_NEAR(1e3 * shift->value, late, 0.5);
+    }
+  }
 }
 
 // A force under its hold belongs to −½: nothing is estimated there.

@@ -52,14 +52,24 @@ void take_out_shift(Stage& stage, Notes& notes) {
     return;
   }
   const std::optional<double> shift = find_shift(stage.log, stage.rows, stage.terms.known_mass);
-  if (!shift) return;
-  stage.terms.shift = true;
-  align(stage.log, *shift, stage.rows);
-  LinearFit fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
-  fit = refine_shift(stage.log, stage.rows, stage.terms, std::move(fit));
-  note_weak_instrument(stage.fit, fit, notes);
-  stage.fit = std::move(fit);
-  stage.first_shift = stage.log.shift;
+  LinearFit fit = stage.fit;
+  if (shift) {
+    stage.terms.shift = true;
+    align(stage.log, *shift, stage.rows);
+    fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
+    fit = refine_shift(stage.log, stage.rows, stage.terms, std::move(fit));
+    note_weak_instrument(stage.fit, fit, notes);
+  }
+  const Told told = ask_reversals(stage.log, stage.rows, stage.terms, stage.fit, stage.log.shift);
+  if (shift && !told.refutes_found()) {
+    stage.fit = std::move(fit);
+    stage.first_shift = stage.log.shift;
+    return;
+  }
+  if (told.refutes_held()) stage.log.held = stage.first_shift = told.shift;
+  stage.terms.shift = false;
+  align(stage.log, stage.log.held, stage.rows);
+  stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
 }
 
 void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {

@@ -69,7 +69,7 @@ bool shift_moves(Stage& stage) {
   const double before = log.shift;
   stage.terms.periodic = without_twins(stage.terms.periodic);
   stage.terms.shift = true;
-  align(log, kHeldForce, stage.rows);
+  align(log, log.held, stage.rows);
   stage.fit = solve(log, stage.rows, stage.terms, nullptr);
   ask_reference(log, stage.rows, stage.terms, stage.fit);
   stage.fit = solve(log, stage.rows, stage.terms, &stage.fit);
