@@ -218,6 +218,20 @@ void tell_opposite_ends(const std::array<PeaksAtEnd, 2>& ends, Cause& out) {
                            1e6 * end.height(), 1e6 * end.noise / std::sqrt(end.count), "um"});
 }
 
+/// What comes first at most of the reversals.
+void tell_top_before(const std::vector<QuadrantPeak>& peaks, int axis, Cause& out) {
+  double sum = 0.0;
+  int all = 0, with = 0;
+  for (const QuadrantPeak& p : peaks) {
+    if (p.axis != axis) continue;
+    ++all;
+    if (p.before * out.size < 0.0) sum += p.before, ++with;
+  }
+  if (2 * with <= all) return;
+  out.before = sum / with;
+  out.figures.push_back({"before it", 1e6 * out.before, std::nan(""), "um"});
+}
+
 /// Mean height of an axis' peaks; found where the mean, or half of the peaks alone, stand out of the rest.
 Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   Cause out;
@@ -248,6 +262,7 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   const std::array<PeaksAtEnd, 2> ends = peaks_at_ends(peaks, axis);
   if (const Cause alone = spike_at_one_end(ends, axis); alone.found) return alone;
   tell_opposite_ends(ends, out);
+  tell_top_before(peaks, axis, out);
   out.figures.push_back({"width", width / count * 180.0 / kPi, std::nan(""), "deg"});
   return out;
 }

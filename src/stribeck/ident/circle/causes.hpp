@@ -15,6 +15,7 @@
 /// Real time: no. Errors: none; without enough rows there is no result.
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/circle/laps.hpp>
@@ -54,6 +55,8 @@ struct QuadrantPeak {
   double half_width_95 = 0.0;  ///< of the height
   double width = 0.0;          ///< at half height, as an angle [rad]
   double delay = 0.0;          ///< from the reversal to the top [rad]
+  double before =
+      std::numeric_limits<double>::quiet_NaN();  ///< a lower top of the other sign before it [m]; NaN: none
   double repeatability = 0.0;  ///< standard deviation of the height over laps [m]; NaN: one lap
   int laps = 0;
 };
@@ -66,6 +69,9 @@ struct Cause {
   double effect = 0.0;      ///< span of its radial error over the circle [m]
   double share = 0.0;       ///< of all found effects but the set-up's
   bool found = false;
+  /// Of a reversal spike: a lower top of the other sign that comes first [m]; NaN: none. It tells the cause; the larger one is what the
+  /// loop makes of it.
+  double before = std::numeric_limits<double>::quiet_NaN();
   /// A second number that the trade knows it by: name, value, unit of files. Empty name: none.
   struct Figure {
     std::string name;

@@ -7,6 +7,7 @@
 #include <set>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
+#include <stribeck/ident/circle/feed_groups.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <tuple>
@@ -24,44 +25,6 @@ struct Profile {
 
 /// Run group (direction and feed) and border.
 using PeakPlace = std::tuple<double, double, int>;
-
-/// Runs whose feeds agree to a twentieth are one group.
-class FeedGroups {
- public:
-  explicit FeedGroups(const CauseRows& rows) {
-    std::map<double, int> counts;
-    for (const CauseRow& row : rows.rows) {
-      if (std::isfinite(row.feed)) ++counts[row.feed];
-    }
-    for (const auto& [feed, count] : counts) {
-      if (groups_.empty() || feed > kAlike * groups_.back().slowest) groups_.push_back({feed});
-      groups_.back().sum += feed * count;
-      groups_.back().count += count;
-    }
-  }
-  /// Number of the group, ascending with the feed; that behind the last one where no feed is known.
-  [[nodiscard]] double of(double feed) const {
-    if (!std::isfinite(feed)) return static_cast<double>(groups_.size());
-    const auto behind = std::upper_bound(groups_.begin(), groups_.end(), feed,
-                                         [](double f, const Group& g) { return f < g.slowest; });
-    return static_cast<double>(behind - groups_.begin() - 1);
-  }
-  /// Mean feed of the rows of a group [m/s]; NaN: none is known.
-  [[nodiscard]] double mean(double group) const {
-    const auto at = static_cast<std::size_t>(group);
-    return at < groups_.size() ? groups_[at].sum / groups_[at].count
-                               : std::numeric_limits<double>::quiet_NaN();
-  }
-
- private:
-  static constexpr double kAlike = 1.05;
-  struct Group {
-    double slowest = 0.0;
-    double sum = 0.0;
-    int count = 0;
-  };
-  std::vector<Group> groups_;
-};
 
 std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<double>& rest,
                                       const FeedGroups& feeds) {
@@ -349,6 +312,7 @@ class PeakSearch {
       const auto at = std::min(static_cast<std::size_t>(in_play_->at / rows_.step), smooth_.size() - 1);
       peak.repeatability = repeatability(at, at);
     }
+    peak.before = before(top, peak);
     return peak;
   }
 
@@ -381,6 +345,17 @@ class PeakSearch {
     }
   }
 
+  /// The largest value of the other sign before step `top`; NaN where it is not a lobe of its own.
+  [[nodiscard]] double before(std::size_t top, const QuadrantPeak& peak) const {
+    constexpr double kShare = 0.4;  // of the height
+    double most = 0.0;
+    for (std::size_t k = begin_; k < top; ++k) {
+      if (smooth_[k] * peak.height < 0.0 && std::abs(smooth_[k]) > std::abs(most)) most = smooth_[k];
+    }
+    const bool stands_out =
+        std::abs(most) > std::max(kShare * std::abs(peak.height), 2.0 * peak.half_width_95);
+    return stands_out ? most : std::numeric_limits<double>::quiet_NaN();
+  }
   [[nodiscard]] std::optional<FinePeak> fine(double from, double to) const {
     return fine_peak(samples_.of(p_.passings, from, to), from, to, rows_.step, standing_);
   }

@@ -48,6 +48,28 @@ TEST(CausesPeaks, ABroadSpikeIsNoBacklash) {
   EXPECT_THAT(d.remarks, Contains(HasSubstr("what x does behind its reversals reaches over")));
 }
 
+// The axis sticks and then swings beyond, which is the larger part: it was told to have too much compensation.
+TEST(CausesPeaks, WhatComesFirstTellsTheCause) {
+  for (const double height : {-9e-6, 9e-6}) {
+    VirtualMachine m;
+    m.spike[1] = height;
+    m.spike_time = 0.1;
+    m.before = 0.9;
+    const Diagnosis d = diagnosis_of(m, {kFeed});
+    const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 1);
+    ASSERT_TRUE(spike.found);
+    EXPECT_GT(spike.size * height, 0.0);
+    EXPECT_LT(spike.before * height, 0.0);
+    EXPECT_THAT(spike.figures, Contains(testing::Field(&Cause::Figure::name, "before it")));
+    EXPECT_THAT(
+        std::string(words_of(d, spike).next_step),
+        HasSubstr(height < 0.0 ? "switch on friction compensation" : "too strong or comes too early"));
+    m.before = 0.0;
+    const Diagnosis plain = diagnosis_of(m, {kFeed});
+    EXPECT_TRUE(std::isnan(cause_in(plain, CauseKind::kReversalSpike, 1).before));
+  }
+}
+
 // A ball-bar of rows every 0.19 degrees, of which five are on a spike: its height was the mean over the step, 4.4 of 7 um.
 TEST(CausesPeaks, ASpikeOfFewRows) {
   for (const double height : {7e-6, -7e-6}) {

@@ -44,6 +44,17 @@ CauseWords words_of(const Diagnosis& d, CauseKind kind) {
 }
 
 CauseWords words_of(const Diagnosis& d, const Cause& cause) {
+  // Of two tops the first one tells what the axis does, the second what its loop makes of that.
+  if (cause.kind == CauseKind::kReversalSpike && cause.before > 0.0)
+    return {
+        "the axis sticks for a moment after it has reversed, and goes too far when it comes loose, by what the integral part of its loop has gathered meanwhile",
+        "identify the friction of this axis (stribeck identify) and switch on friction compensation, or give it more force where it is on: with it both parts go; check lubrication first",
+        true};
+  if (cause.kind == CauseKind::kReversalSpike && cause.before < 0.0)
+    return {
+        "the axis goes too far as soon as it has reversed, and its loop swings back: its friction compensation pushes too early or too much",
+        "the friction compensation of this axis is too strong or comes too early: reduce its force or let it come later, then repeat the circle",
+        true};
   if (cause.size < 0.0 && cause.kind == CauseKind::kReversalSpike)
     return {"the axis goes too far after it has reversed: its friction compensation pushes too much",
             "the friction compensation of this axis is too strong: reduce its force, then repeat the circle",

@@ -11,10 +11,12 @@
 namespace stribeck::ident::circle {
 
 struct VirtualMachine {
-  double radius = 0.1;                // [m]
-  double spike[2] = {0.0, 0.0};       // height [m]
-  double spike_time = 0.06;           // to the top [s]
-  double spike_at_negative = 1.0;     // share of it at the negative end
+  double radius = 0.1;             // [m]
+  double spike[2] = {0.0, 0.0};    // height [m]
+  double spike_time = 0.06;        // to the top [s]
+  double spike_at_negative = 1.0;  // share of it at the negative end
+  double before =
+      0.0;  // a spike of the other sign that comes first, in a quarter of the time: share of the height
   double backlash[2] = {0.0, 0.0};    // [m]
   double lateral[2] = {0.0, 0.0};     // [m]
   double cyclic[2] = {0.0, 0.0};      // amplitude [m]
@@ -89,8 +91,9 @@ inline VirtualRecord travel(const VirtualMachine& m, double feed, double turns, 
         side[k] = -0.5 * m.lateral[k] * direction;
         const double since = (t - reversed[k]) / m.spike_time;
         // Rises fast and dies away: since²·e^(2(1 − since)), its top is one.
-        p[k] -= m.spike[k] * direction * since * since * std::exp(2.0 * (1.0 - since)) *
-                (since < 30.0 ? 1.0 : 0.0) * (command[k] < 0.0 ? m.spike_at_negative : 1.0);
+        const auto shape = [](double x) { return x < 30.0 ? x * x * std::exp(2.0 * (1.0 - x)) : 0.0; };
+        p[k] -= m.spike[k] * direction * (shape(since) - m.before * shape(4.0 * since)) *
+                (command[k] < 0.0 ? m.spike_at_negative : 1.0);
         p[k] += m.cyclic[k] * std::cos(2.0 * kPi * command[k] / m.pitch[k] - 0.7);
         p[k] *= 1.0 + m.scale[k];
       }
