@@ -152,6 +152,16 @@ TEST(LostMotion, BacklashThatChangesAlongTheTravelIsSaidSo) {
   EXPECT_NEAR(found.backlash->value, 12e-6, 0.6e-6);
 }
 
+// The play is never crossed: it was "at most 0.3 um", with a table of half its mass.
+TEST(LostMotion, ALoadThatHoldsTheTableOnOneSideHidesThePlay) {
+  sim::Machine m = machine_with({12e-6, 0.0, 30e6, 0.15, 0.25, 0.6}, 0.1e-6);
+  m.axes[0].second.plant.load = 2000.0;
+  const LostMotion found = ident::lost_motion::identify({run_of(m, 3)});
+  EXPECT_FALSE(found.backlash || found.stiffness || found.backlash_slope);
+  ASSERT_FALSE(found.words.empty());
+  EXPECT_NE(found.words.back().find("holds the table on one side"), std::string::npos) << found.words.back();
+}
+
 TEST(LostMotion, EncodersOfAnotherScaleAndOffsetChangeNothing) {
   const plant::LostMotion lost{12e-6, 0.0, 30e6, 0.15, 0.25, 0.6};
   Positions p = run_of(machine_with(lost, 0.1e-6), 4);

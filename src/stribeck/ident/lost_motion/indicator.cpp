@@ -62,13 +62,7 @@ class Series {
       y_(i) = 1e6 * at(i).value;
       most_load_ = std::max(most_load_, std::abs(at(i).load));
     }
-    std::vector<double> values(y_.data(), y_.data() + rows);
-    std::sort(values.begin(), values.end());
-    step_ = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < values.size(); ++i) {
-      if (values[i] - values[i - 1] > 1e-3) step_ = std::min(step_, values[i] - values[i - 1]);
-    }
-    if (!std::isfinite(step_)) step_ = 0.0;
+    step_ = step_of_readings();
   }
 
   /// Lost motion [µm], and with loads compliance [µm/N], where no load is larger than friction.
@@ -97,6 +91,36 @@ class Series {
   [[nodiscard]] double step() const { return step_; }
 
  private:
+  /// Smallest step of the indicator [µm]: by readings of one place, direction and load that differ. Where they are all the same, the
+  /// power of ten that all readings are multiples of, at most half of what any two differ by; 0: they are all the same.
+  [[nodiscard]] double step_of_readings() const {
+    constexpr double kSame = 1e-3;  // [µm]
+    const auto smallest = [](std::vector<double> values) {
+      std::sort(values.begin(), values.end());
+      double step = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 1; i < values.size(); ++i) {
+        if (values[i] - values[i - 1] > kSame) step = std::min(step, values[i] - values[i - 1]);
+      }
+      return step;
+    };
+    std::map<std::array<double, 3>, std::vector<double>> alike;
+    for (Eigen::Index i = 0; i < y_.size(); ++i)
+      alike[{place_[static_cast<std::size_t>(i)], static_cast<double>(at(i).direction), at(i).load}]
+          .push_back(y_(i));
+    double step = std::numeric_limits<double>::infinity();
+    for (const auto& [of, values] : alike) step = std::min(step, smallest(values));
+    if (std::isfinite(step)) return step;
+    const double apart = smallest({y_.data(), y_.data() + y_.size()});
+    if (!std::isfinite(apart)) return 0.0;
+    step = std::pow(10.0, std::floor(std::log10(0.5 * apart)));
+    const auto fits = [&] {
+      return std::all_of(y_.data(), y_.data() + y_.size(),
+                         [&](double y) { return std::abs(y / step - std::round(y / step)) < 1e-3; });
+    };
+    while (step > kSame && !fits()) step *= 0.1;
+    return step;
+  }
+
   [[nodiscard]] const Reading& at(Eigen::Index i) const { return series_[static_cast<std::size_t>(i)]; }
 
   /// `side`, of the lost motion, as it is, for each place, or with a second one that grows from 0 to 1 along the travel.
@@ -262,7 +286,7 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together, dou
     out.stiffness = stiffness_of(compliance);
     out.table_friction = friction;
   } else {
-    // Too stiff for these loads and this indicator. The line of all readings has just been rejected: it must not answer in place.
+    // Too stiff for these loads and this indicator. The line through all readings was rejected above, so its stiffness is not given instead.
     out.words.push_back(fmt::format(
         "the wind-up is too small to be measured with these loads: the stiffness is at least {} N/um (larger loads tell it)",
         digits(1.0 / std::max(compliance.high(), 1e-12), 2)));

@@ -58,6 +58,19 @@ TEST(Indicator, WithoutLoadsTheSumIsKnown) {
   EXPECT_THAT(found.words[0], HasSubstr("without loads, backlash and wind-up cannot be distinguished"));
 }
 
+// The readings of each direction were all the same: what they differ by was taken for the step of the indicator, and 4 um for none.
+TEST(Indicator, ReadingsThatRepeatToTheDigitAreNoCoarseIndicator) {
+  std::vector<Reading> readings;
+  for (int k = 0; k < 4; ++k) readings.push_back({0.0, 1, 0.0, 0.0});
+  for (int k = 0; k < 4; ++k) readings.push_back({0.0, -1, 4e-6, 0.0});
+  for (Reading& r : readings) r.value += 1e-5;
+  const LostMotion found = identify(readings);
+  ASSERT_TRUE(found.total);
+  EXPECT_NEAR(found.total->value, 4e-6, 1e-8);
+  EXPECT_LT(found.total->half_width, 1.5e-6);
+  EXPECT_GT(found.total->half_width, 0.2e-6);
+}
+
 TEST(Indicator, LoadsAboveFrictionTellBoth) {
   const Truth t;
   const LostMotion found = identify(series_of(t, {0.0}, {0.0, 500.0, -500.0, 1000.0, -1000.0}, 4, 2));

@@ -67,10 +67,8 @@ std::optional<Fits> fits_of(const std::vector<Stretch>& stretches, const Sliding
   return fits;
 }
 
-/// Whether the drive pulls until the axis reverses. Where it coasts, as after a pulse of force, friction brakes motor and table each
-/// for itself, and the spring between them carries little.
-bool pulled(const std::vector<Stretch>& stretches, const Sliding& sliding) {
-  constexpr double kPulled = 0.5;
+/// Mean force before the reversals of either side.
+std::array<double, 2> forces_before(const std::vector<Stretch>& stretches) {
   std::array<double, 2> sum{};
   std::array<double, 2> n{};
   for (const Stretch& s : stretches) {
@@ -78,7 +76,23 @@ bool pulled(const std::vector<Stretch>& stretches, const Sliding& sliding) {
     sum[side] += s.force.head(std::max<Eigen::Index>(4, s.force.size() / 10)).mean();
     n[side] += 1.0;
   }
-  return 0.5 * (sum[0] / n[0] - sum[1] / n[1]) > kPulled * sliding.friction;
+  return {sum[0] / n[0], sum[1] / n[1]};
+}
+
+/// The load where it is larger than the friction of the whole axis, and so holds the table on one side of the play [N]; else 0.
+double holding_load(const std::vector<Stretch>& stretches) {
+  constexpr double kLarger = 1.1;
+  const auto [up, down] = forces_before(stretches);
+  const double load = 0.5 * (up + down);
+  return std::abs(load) > kLarger * 0.5 * std::abs(up - down) ? load : 0.0;
+}
+
+/// Whether the drive pulls until the axis reverses. Where it coasts, as after a pulse of force, friction brakes motor and table each
+/// for itself, and the spring between them carries little.
+bool pulled(const std::vector<Stretch>& stretches, const Sliding& sliding) {
+  constexpr double kPulled = 0.5;
+  const auto [up, down] = forces_before(stretches);
+  return 0.5 * (up - down) > kPulled * sliding.friction;
 }
 
 /// The lost motion while the table slides slowly, just before it reverses: between both directions.
@@ -248,6 +262,12 @@ LostMotion identify(const std::vector<Positions>& runs) {
         "backlash and wind-up cannot be distinguished: {} usable reversals, expected at least {}, slow ones with strokes of some "
         "hundred micrometres on both sides (excite --method sine)",
         out.reversals, kFewestReversals));
+  } else if (const double load = holding_load(stretches); load != 0.0) {
+    out.words.push_back(fmt::format(
+        "backlash and wind-up cannot be distinguished: a load of {} N holds the table on one side of the play, which it never crosses in "
+        "these logs; what is lost between the directions is known as long as it does (to see the play, take the load off: balance, or "
+        "the axis unloaded)",
+        digits(std::abs(load), 2)));
   } else {
     separate(out, stretches, sliding, step);
   }
