@@ -520,6 +520,11 @@ TEST(LogFormats, UnitsAsMachinesSpellThem) {
     EXPECT_TRUE(*plain == 0 || is_unit(plain)) << plain;
   }
   EXPECT_THAT(notes, IsEmpty());
+  for (const char* peak : {"Apk", "A_pk", "A pk", "Apeak"})
+    EXPECT_NEAR(unit_factor(unit(peak), "A"), 1.0 / std::sqrt(2.0), 1e-15) << peak;
+  EXPECT_EQ(notes.size(), 4U);
+  EXPECT_THAT(notes, testing::Each(HasSubstr("peak current, read as RMS")));
+  notes.clear();
   EXPECT_EQ(unit("furlong/moon"), "");
   EXPECT_EQ(unit("10 mm"), "");
   EXPECT_THAT(notes, ElementsAre(HasSubstr("furlong/moon"), HasSubstr("10 mm")));

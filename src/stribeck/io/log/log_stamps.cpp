@@ -28,15 +28,34 @@ void tell_indices(Log& log) {
   }
 }
 
+namespace {
+
+/// Half of the steps are longer [units of the column]; 0 where the times do not increase.
+double usual_step(const std::vector<double>& t) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    if (const double step = t[k] - t[k - 1]; step > 0.0) steps.push_back(step);
+  }
+  if (2 * steps.size() < t.size()) return 0.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+}  // namespace
+
 void tell_epoch(Log& log) {
   const int at = time_column(log);
   if (at < 0) return;
   Column& c = log.columns[static_cast<std::size_t>(at)];
   if (!c.unit_text.empty() || c.values.empty()) return;
   const auto [low, high] = std::minmax_element(c.values.begin(), c.values.end());
-  // From September 2001 to October 2096; the ranges of the units do not meet.
+  // From September 2001 to October 2096; the ranges of the units do not meet. A finer unit, counted since the power came on, has such
+  // numbers too: its rows would be hours apart.
+  constexpr double kLongestStep = 60.0;  // [s]
+  const double step = usual_step(c.values);
   for (const auto& [unit, scale] : {std::pair{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}) {
-    if (*low < 1e9 * scale || *high > 4e9 * scale) continue;
+    if (*low < 1e9 * scale || *high > 4e9 * scale || step > kLongestStep * scale) continue;
     c.unit_text = unit;
     c.unit_assumed = true;
     log.notes.push_back("column " + in_quotes(c.header) +
@@ -55,18 +74,6 @@ void tell_epoch(Log& log) {
 }
 
 namespace {
-
-/// Half of the steps are longer [units of the column]; 0 where the times do not increase.
-double usual_step(const std::vector<double>& t) {
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < t.size(); ++k) {
-    if (const double step = t[k] - t[k - 1]; step > 0.0) steps.push_back(step);
-  }
-  if (2 * steps.size() < t.size()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
 
 /// 0, 1, 2, … or 7, 8, 9, …: perhaps numbers of rows.
 bool counts_rows(const std::vector<double>& t) {
@@ -91,7 +98,7 @@ void tell_unit(Log& log, Column& c, std::optional<double> control_period) {
   const double shortest = control_period ? 0.9 * *control_period : kShortest;
   const double longest = control_period ? kMostPeriods * *control_period : kLongest;
   std::vector<std::pair<const char*, double>> units;
-  // The second but last are the ticks of Windows, which no unit of a log is called after.
+  // A ten-millionth of a second is the tick of Windows. No log has a unit of this name, but its rows could be ticks.
   for (const auto& [unit, scale] :
        {std::pair{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"", 1e-7}, {"ns", 1e-9}}) {
     if (step * scale >= shortest && step * scale <= longest) units.emplace_back(unit, scale);

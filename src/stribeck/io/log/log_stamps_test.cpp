@@ -80,6 +80,9 @@ TEST(LogStamps, TimesSince1970HaveAUnit) {
   EXPECT_EQ(unit("1715509391100000", "1715509391200000"), "us");
   EXPECT_EQ(unit("1715509391100000000", "1715509391200000000"), "ns");
   EXPECT_EQ(unit("0", "1"), "");
+  // Microseconds and nanoseconds since the power came on, every millisecond: the rows would be a quarter of an hour apart.
+  EXPECT_EQ(unit("1200000000", "1200001000"), "");
+  EXPECT_EQ(unit("2000000000000", "2000001000000"), "");
 }
 
 /// A table of ten rows with this step of its first column.

@@ -247,7 +247,14 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
     unit.replace(at, 2, "\u00B5");
   }
   if (unit.empty()) return unit;
-  if (const auto plain = spelling_of(unit); !plain.empty()) return std::string(plain);
+  if (const auto plain = spelling_of(unit); !plain.empty()) {
+    if (plain == kPeakAmpere)
+      notes.push_back(
+          "column " + in_quotes(column) +
+          ": peak current, read as RMS (divided by the root of 2), as torque and force constants are per ampere RMS; where "
+          "yours is per peak ampere, map the column with the unit A");
+    return std::string(plain);
+  }
   if (is_count_rate(unit)) return "count/s";
   const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
   if ((!number || unit == "1") && !is_user_unit(unit) && is_unit(unit)) return unit;

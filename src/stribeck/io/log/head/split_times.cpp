@@ -144,7 +144,7 @@ void add_sum(Log& log, const std::vector<double>& seconds, const Column& whole, 
   std::vector<double> t(seconds.size());
   for (std::size_t k = 0; k < t.size(); ++k) t[k] = (seconds[k] - start) + scale * part.values[k];
   log.notes.push_back("the time is the sum of columns " + in_quotes(whole.header) + " and " +
-                      in_quotes(part.header) + ", from the second of the first row on");
+                      in_quotes(part.header) + ", counted from the whole second of the first row");
   if (whole.header == "t") log.columns.erase(log.columns.begin() + (&whole - log.columns.data()));
   add_time(log, std::move(t), "s");
 }

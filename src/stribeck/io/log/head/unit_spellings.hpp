@@ -89,15 +89,18 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 76> k
     {"COUNTS", "count"},
 }};
 
+/// An ampere of peak current: constants of motors are per ampere RMS.
+inline constexpr std::string_view kPeakAmpere = "0.70710678118654752 A";
+
 /// Spellings of units in controls, drives and their tools.
 inline constexpr std::array<std::pair<std::string_view, std::string_view>, 131> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
-    {"Apk", "A"},
-    {"A_pk", "A"},
-    {"A pk", "A"},
-    {"Apeak", "A"},
+    {"Apk", kPeakAmpere},
+    {"A_pk", kPeakAmpere},
+    {"A pk", kPeakAmpere},
+    {"Apeak", kPeakAmpere},
     {"p.u.", "100 %"},
     {"p.u", "100 %"},
     {"pu", "100 %"},
