@@ -60,7 +60,7 @@ void refuse_gains(const Controller<N>& c, std::string_view what, Refuse&& refuse
 }
 
 template <std::size_t N, class Refuse>
-void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refuse&& refuse) {
+void gather(const Controller<N>& c, double period, control::SlidingModeParams& p, Refuse&& refuse) {
   refuse_gains(c, "the sliding-mode law has no such gain: set omega, or lambda and a", refuse);
   const control::SlidingModeParams initial;
   for (control::PerAxis* list :
@@ -74,6 +74,8 @@ void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refus
     const double mass = c.settings[i].compensation.model.mass;
     p.lambda.push_back(law.lambda.value_or(omega));
     p.a.push_back(law.a.value_or(omega));
+    if (!control::sampled_loop_stable(p.lambda[i] * p.a[i], p.lambda[i] + p.a[i], 0.0, period))
+      refuse(i, law.lambda || law.a ? "sliding-mode.lambda" : "omega", "unstable at this period");
     put(p.gamma, initial.gamma, i, law.gamma);
     put(p.force_bound, initial.force_bound, i, law.force_bound);
     put(p.gamma_least, initial.gamma_least, i, law.gamma_least);

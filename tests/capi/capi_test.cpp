@@ -872,7 +872,9 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   expect(h,
          "axis 0: sliding-mode.gain: none is sufficient: mass_bound/(mass - mass_bound), summed over the "
          "axes, must be below 1");
-  h.set("sliding-mode.mass_bound", 90.0);
+  h.set("sliding-mode.mass_bound", 90.0).set("sliding-mode.lambda", 3000.0).set("sliding-mode.a", 3000.0);
+  expect(h, "axis 0: sliding-mode.lambda: unstable at this period");
+  h.set("sliding-mode.lambda", kNan).set("sliding-mode.a", kNan);
   stribeck_controller_set(h.c, 1, "sliding-mode.boundary", 3e-3);
   expect(h, "axis 1: sliding-mode: what is not per axis must be the same on all axes");
   h.set("sliding-mode.boundary", 3e-3).set("sliding-mode.gamma_least", 0.2);
