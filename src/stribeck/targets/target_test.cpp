@@ -130,6 +130,15 @@ TEST(Target, ABacklashIsNamed) {
   const std::string notes = targets::axis_notes(request);
   EXPECT_THAT(notes, HasSubstr("z.toml has a backlash of 45.4 um between motor and table"));
   EXPECT_EQ(notes.find("x.toml"), std::string::npos);
+  // 2·30 N over 12 N/um.
+  request.files = {folder.write(
+      "y.toml",
+      std::string(kAxis) +
+          "\n[lost_motion]\nbacklash = \"0 um\"\nstiffness = \"12 N/um\"\ntable_friction = \"30 N\"\n"
+          "table_mass = \"20 kg\"\n")};
+  const std::string wound = targets::axis_notes(request);
+  EXPECT_THAT(wound, HasSubstr("y.toml has a wind-up of 5 um between motor and table"));
+  EXPECT_EQ(wound.find("has a backlash"), std::string::npos);
 }
 
 TEST(Target, TheEndsOfASpringAreNamed) {

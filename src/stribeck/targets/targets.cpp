@@ -108,6 +108,30 @@ bool any_rotary(const ExportRequest& request) {
   return std::any_of(request.files.begin(), request.files.end(), is_rotary);
 }
 
+namespace {
+
+/// What is lost between motor and table is in no export: it belongs where the control compensates backlash.
+std::string words_of_lost_motion(const std::string& file, const control::LostMotionParams& p,
+                                 const ident::Shown& shown) {
+  const double wind_up = p.stiffness ? 2.0 * p.table_friction / *p.stiffness : 0.0;
+  std::string words;
+  if (p.backlash > 0.0 || p.backlash_slope != 0.0) {
+    words = fmt::format("{} has a backlash of {} between motor and table", file, shown.length(p.backlash));
+    if (p.backlash_slope != 0.0)
+      words +=
+          fmt::format(" at position 0, which changes by {} in every metre", shown.length(p.backlash_slope));
+    words += ". It is not in what was written: type it in where the control compensates backlash.\n";
+  }
+  if (wind_up > 0.0)
+    words += fmt::format(
+        "{} has a wind-up of {} between motor and table, from one direction to the other. It is not in what was written, and no backlash: "
+        "a backlash compensation that takes it out as well does so only at the friction of today.\n",
+        file, shown.length(wind_up));
+  return words;
+}
+
+}  // namespace
+
 std::string axis_notes(const ExportRequest& request) {
   std::string notes;
   std::map<std::string, std::string> first_of;  // file of each axis
@@ -125,11 +149,7 @@ std::string axis_notes(const ExportRequest& request) {
       notes += fmt::format("{} has a spring that is known from {} to {}; beyond, its force stays.\n", file,
                            spring->from ? shown.length(*spring->from) : "the beginning",
                            spring->to ? shown.length(*spring->to) : "the end");
-    if (!axis.lost_motion) continue;
-    notes += fmt::format(
-        "{} has a backlash of {} between motor and table, which is not in what was written: type it in where the control "
-        "compensates backlash.\n",
-        file, shown.length(axis.lost_motion->backlash));
+    if (axis.lost_motion) notes += words_of_lost_motion(file, *axis.lost_motion, shown);
   }
   return notes;
 }

@@ -25,6 +25,9 @@ std::string way_to_newtons(const std::string& unit) {
   if (unit == "%")
     return "write rated_torque below drive of the machine file, or give --gain, e.g. \"12 N/%\"";
   if (unit == "V") return "give --gain, e.g. \"1048 N/V\"";
+  if (unit == "N m")
+    return "say how far the axis goes in one turn of the motor with --lead, e.g. \"10 mm\" (a screw behind a gear: the lead over the "
+           "ratio), or give the machine file, which knows it";
   return "say what the force is with --map, e.g. percent=\"COLUMN %\" or torque=\"COLUMN N m\", or give --gain";
 }
 

@@ -255,7 +255,7 @@ CircleTrack in_order_of_time(const io::Log& log, CircleTrack t) {
   }
   out.notes = std::move(t.notes);
   out.notes.push_back(
-      fmt::format("{} of {} rows have the time of the row behind and are left out", repeated, t.t.size()));
+      fmt::format("{} of {} rows have the same time as the next row and are left out", repeated, t.t.size()));
   return out;
 }
 

@@ -32,8 +32,8 @@ std::string of_mass(const std::string& file, const friction::AxisModel& model, c
   const double unseen = inertial > 0.0 ? good * force / inertial : INFINITY;
   if (!(unseen > kMostUnseen)) return {};
   return fmt::format(
-      "{}: {} hardly tests the mass: {} of it would make no more than {:g} % of the force, as accelerations make {} % of it "
-      "(constant-acceleration or a faster sine tests the mass)",
+      "{}: {} hardly tests the mass: {} of it would change the force by no more than {:g} %, because the force of acceleration is only {} % "
+      "of all (constant-acceleration or a faster sine tests the mass)",
       file, r.source,
       unseen < 100.0 ? fmt::format("an error of {} %", ident::digits(unseen, 2)) : "an error of 100 %", good,
       ident::digits(100.0 * inertial / force, 2));

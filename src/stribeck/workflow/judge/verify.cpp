@@ -176,8 +176,10 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   if (e.shifted && expected) {
     const double off = e.shift - *expected;
     warnings.push_back(fmt::format(
-        "{}: in this log the force is {:.3g} ± {:.2g} ms {} than in the model{}{}; the time shift was removed before the comparison",
-        file, 1e3 * std::abs(off), 1e3 * e.shift_half, off > 0.0 ? "later" : "earlier",
+        "{}: in this log the force is {:.3g} ms {} than its motion, {:.3g} ± {:.2g} ms {} than in the model{}{}; the time shift was removed "
+        "before the comparison (the force of the model is a command that is held)",
+        file, 1e3 * std::abs(e.shift), e.shift > 0.0 ? "later" : "earlier", 1e3 * std::abs(off),
+        1e3 * e.shift_half, off > 0.0 ? "later" : "earlier",
         e.or_pre_sliding ? ", or it rises over a distance after each reversal: the model has no pre-sliding, "
                            "and this motion does not tell which (identify with slow jogs)"
                          : "",
@@ -435,7 +437,7 @@ class Verification {
     one.drift = ident::replay::drift_band(m.model, record, one.force, one.open);
     if (!(one.drift.growth > kMostGrowth)) return;
     notes.push_back(fmt::format(
-        "{}: no run in open loop is shown: on this motion friction falls with speed for so long that an error of the velocity grows {}, with a right model too; the error of the force tells",
+        "{}: no run in open loop is shown: on this motion friction falls with speed for so long that an error of the velocity grows {}, however good the model is; judge by the error of the force",
         m.file,
         one.drift.growth > 13.8 ? "more than a million times"
                                 : fmt::format("{:.0f} times", std::exp(one.drift.growth))));

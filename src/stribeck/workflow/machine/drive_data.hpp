@@ -50,11 +50,11 @@ struct DriveData {
               "force at 100 % of a linear motor")
             .or_default(),
         field("torque_constant", &D::torque_constant, quantity("N m/A", "N m/A").positive(),
-              "torque per ampere: alone for logs in A, with rated_current in place of rated_torque")
+              "torque per ampere RMS: alone for logs in A, with rated_current in place of rated_torque")
             .or_default(),
         field(
             "force_constant", &D::force_constant, quantity("N/A", "N/A").positive(),
-            "force per ampere of a linear motor: alone for logs in A, with rated_current in place of rated_force")
+            "force per ampere RMS of a linear motor: alone for logs in A, with rated_current in place of rated_force")
             .or_default(),
         field("rated_current", &D::rated_current, quantity("A", "A").positive(),
               "current of one motor at 100 %")
