@@ -149,9 +149,10 @@ class AroundReversals {
     // The force that is left with each distance, in squares and in products with the next one: between two distances it is mixed.
     std::array<double, kDistances> square{}, product{}, left{};
     double rows = 0.0;
+    std::vector<double> force;
     for (const Stretch& s : stretches_) {
       const log::Motion& m = log.motions[s.record];
-      std::vector<double> force(m.rows());
+      force.resize(m.rows());
       log::align_force(log.force[s.record], shift, s.first, s.last, force);
       for (std::size_t k = s.first; k < s.last; ++k) {
         const std::size_t side = m.direction[k] > 0 ? 0 : 1;

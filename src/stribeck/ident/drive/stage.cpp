@@ -67,6 +67,7 @@ void take_out_shift(Stage& stage, Notes& notes) {
     return;
   }
   if (told.refutes_held()) stage.log.held = stage.first_shift = told.shift;
+  if (!shift && stage.log.held == kHeldForce) return;
   stage.terms.shift = false;
   align(stage.log, stage.log.held, stage.rows);
   stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
