@@ -267,9 +267,12 @@ void Description::write_shift() {
         text("in the log the force is %.3g rows (%.3g ms) %s than its motion%s; this shift is removed",
              std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier", why));
   };
+  const bool told = half < std::max(kVagueShift, 0.5 * std::abs(found_.log.shift + 0.5));
   if (!found_.terms.shift && !options_.shift && found_.log.shift != kHeldForce) {
-    tell_delay(found_.log.shift, half);
+    if (told) tell_delay(found_.log.shift, half);
     add("force_shift", found_.log.shift * T, "s", "ms", found_.intervals.shift_error * T, true);
+    result_.parameters.back().identifiable = told;
+    if (!told) say("the one that the reversals show is removed, but");
     removed(found_.log.shift, ", as friction shows where the motion reverses");
     return;
   }
@@ -287,7 +290,6 @@ void Description::write_shift() {
     return;
   }
   const double shift = found_.log.shift;
-  const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
   if (told) tell_delay(shift, half);  // what is not told, no controller gets
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;

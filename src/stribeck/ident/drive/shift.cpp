@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <stribeck/ident/drive/reversals/around_reversals.hpp>
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
@@ -10,17 +12,12 @@
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr double kLongestShift = 0.03;  // [s]
-constexpr double kMostShiftRows = 40.0;
 constexpr double kWorthwhileShift = 1.02;  // ratio of the sums of squares: 1 % of the residual
 constexpr double kPlainShift = 1.1;
-constexpr double kRefuted = 2.0;  // ratio of the squares around reversals
 
 double dot(const std::vector<double>& x, const std::vector<double>& y) {
   return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
 }
-
-double longest_rows(double sample_time) { return std::max(3.0, std::ceil(kLongestShift / sample_time)); }
 
 /// Subtracts the mean of each bin of speed from columns over a sample of the rows.
 class Centring {
@@ -111,156 +108,6 @@ class ShiftCost {
   std::vector<Whole> products_;
 };
 
-/// Rows around reversals, which the fit has not seen: friction goes there from the value of one direction to that of the other,
-///
-///   F = F_settled(v) − jump·exp(−z/d)      z: distance since the reversal, d: not known
-///
-/// through the window that the force has passed.
-class AroundReversals {
- public:
-  explicit AroundReversals(const AlignedLog& log) {
-    constexpr std::size_t kMost = 100;  // reversals
-    std::size_t count = 0;
-    for (const log::Motion& m : log.motions) count += m.reversals.size();
-    const std::size_t every = count / kMost + 1;
-    std::size_t number = 0;
-    for (std::size_t r = 0; r < log.motions.size() && count > 0; ++r) {
-      const log::Motion& m = log.motions[r];
-      const std::size_t first = stretches_.size();
-      for (std::size_t i = 1; i < m.reversals.size(); ++i) {  // the first is where the motion begins
-        const std::size_t row = m.reversals[i];
-        if (number++ % every == 0 && m.valid(row)) stretches_.push_back(stretch_around(m, r, row));
-      }
-      if (first < stretches_.size()) add_columns(m, first);
-    }
-  }
-
-  /// Mean square of the force that is left [N²], with the distance that suits best. NaN: there are no reversals.
-  [[nodiscard]] double left(const AlignedLog& log, const LinearFit& fit, double shift) const {
-    const std::array<map::BinCurve::Line, map::kSides> line{fit.curve[0].line(), fit.curve[1].line()};
-    // Below the slowest bin friction changes with speed as it does above.
-    const auto settled = [&](std::size_t side, double speed) {
-      const map::BinCurve& curve = fit.curve[side];
-      const double slowest = curve.speed.front();
-      return speed < slowest ? curve.force.front() - line[side].slope * (slowest - speed) : curve(speed);
-    };
-    const double forward = settled(0, 0.0), backward = -settled(1, 0.0);
-    const double mean = 0.5 * (forward + backward), half = 0.5 * (forward - backward);
-    // The force that is left with each distance, in squares and in products with the next one: between two distances it is mixed.
-    std::array<double, kDistances> square{}, product{}, left{};
-    double rows = 0.0;
-    std::vector<double> force;
-    for (const Stretch& s : stretches_) {
-      const log::Motion& m = log.motions[s.record];
-      force.resize(m.rows());
-      log::align_force(log.force[s.record], shift, s.first, s.last, force);
-      for (std::size_t k = s.first; k < s.last; ++k) {
-        const std::size_t side = m.direction[k] > 0 ? 0 : 1;
-        const double grows = map::kDirection[side] * (settled(side, std::abs(m.v[k])) - settled(side, 0.0));
-        const double e = force[k] - fit.mass * m.a[k] - grows - mean;
-        const double* model = &s.columns[(k - s.first) * (kDistances + 1)];
-        for (std::size_t i = 0; i < kDistances; ++i) {
-          left[i] = e - half * (model[kDistances] - 2.0 * model[i]);
-          square[i] += left[i] * left[i];
-          if (i > 0) product[i] += left[i] * left[i - 1];
-        }
-        rows += 1.0;
-      }
-    }
-    if (!(rows > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-    double least = *std::min_element(square.begin(), square.end());
-    for (std::size_t i = 1; i < kDistances; ++i) {
-      const double apart = square[i] + square[i - 1] - 2.0 * product[i];
-      const double share = (square[i - 1] - product[i]) / apart;  // of distance i
-      if (!(share > 0.0 && share < 1.0)) continue;
-      least = std::min(least, square[i - 1] - share * share * apart);
-    }
-    return least / rows;
-  }
-
- private:
-  static constexpr std::size_t kDistances = 14;  // each half of the one before, the last 0
-  struct Stretch {
-    std::size_t record = 0, first = 0, last = 0;  ///< rows
-    std::vector<double> columns;  ///< of each row: direction·exp(−z/d) for each distance, and the direction
-  };
-
-  static Stretch stretch_around(const log::Motion& m, std::size_t record, std::size_t row) {
-    constexpr double kSettled = 4e-3;  // distance, as a share of the travel
-    constexpr std::ptrdiff_t kMostAfter = 1000;
-    const double reach = std::min(kMostShiftRows, longest_rows(m.sample_time));
-    const auto n = static_cast<std::ptrdiff_t>(reach) + m.reach;
-    const auto at = static_cast<std::ptrdiff_t>(row), end = static_cast<std::ptrdiff_t>(m.rows()) - m.reach;
-    std::ptrdiff_t last = std::min(end, at + n);
-    while (last < std::min(end, at + kMostAfter) &&
-           m.stretch[static_cast<std::size_t>(last)] == m.stretch[row] &&
-           m.distance[static_cast<std::size_t>(last)] < kSettled * m.stroke)
-      ++last;
-    Stretch s;
-    s.record = record;
-    s.first = static_cast<std::size_t>(std::max<std::ptrdiff_t>(m.reach, at - n));
-    s.last = static_cast<std::size_t>(last);
-    s.columns.resize((s.last - s.first) * (kDistances + 1));
-    return s;
-  }
-
-  /// Direction of each row and its distance since the reversal, which lies between two rows; of the first stretch infinite.
-  struct Course {
-    std::vector<double> direction, distance;
-  };
-
-  static Course course_of(const log::Motion& m) {
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    Course out{{m.direction.begin(), m.direction.end()}, m.distance};
-    const auto near = static_cast<std::size_t>(m.reach) + 3;
-    for (std::size_t i = 0; i < m.reversals.size(); ++i) {
-      const std::size_t row = m.reversals[i],
-                        next = i + 1 < m.reversals.size() ? m.reversals[i + 1] : m.rows();
-      if (i == 0) {
-        std::fill_n(out.distance.begin(), next, kNone);
-        continue;
-      }
-      const double now = m.direction[row];
-      const std::size_t low = row > near ? row - near : 0, high = std::min(m.rows() - 1, row + near);
-      std::size_t k = high;
-      while (k > low && !(now * m.v[k - 1] <= 0.0 && now * m.v[k] > 0.0)) --k;
-      if (k == low) continue;
-      // Row k is the first of the new direction.
-      for (std::size_t j = row; j < k; ++j) out.direction[j] = -now, out.distance[j] = kNone;
-      for (std::size_t j = k; j < row; ++j) out.direction[j] = now;
-      const double share = m.v[k] / (m.v[k] - m.v[k - 1]);
-      double distance = 0.5 * share * std::abs(m.v[k]) * m.sample_time;
-      for (std::size_t j = k; j < std::max(next, k + 1); ++j) {
-        if (j > k) distance += std::max(0.0, 0.5 * now * (m.v[j - 1] + m.v[j])) * m.sample_time;
-        out.distance[j] = distance;
-      }
-    }
-    return out;
-  }
-
-  /// Of the stretches from `first` on, all of one record.
-  void add_columns(const log::Motion& m, std::size_t first) {
-    constexpr double kLongest = 0.02;  // distance, as a share of the travel
-    const Course course = course_of(m);
-    std::vector<double> column(m.rows());
-    double distance = kLongest * m.stroke;
-    for (std::size_t i = 0; i <= kDistances; ++i, distance *= 0.5) {
-      for (std::size_t k = 0; k < m.rows(); ++k) {
-        const double missing = i + 1 < kDistances ? std::exp(-course.distance[k] / distance) : 0.0;
-        column[k] = course.direction[k] * (i < kDistances ? missing : 1.0);
-      }
-      const std::vector<double> passed = log::smooth_like(m, column);
-      for (std::size_t j = first; j < stretches_.size(); ++j) {
-        Stretch& s = stretches_[j];
-        for (std::size_t k = s.first; k < s.last; ++k)
-          s.columns[(k - s.first) * (kDistances + 1) + i] = passed[k];
-      }
-    }
-  }
-
-  std::vector<Stretch> stretches_;
-};
-
 /// Σ residual² with friction of every bin free [N²].
 double squares_left(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit) {
   std::vector<double> columns(terms.count() + 1);
@@ -276,7 +123,7 @@ double squares_left(const AlignedLog& log, const Rows& rows, const Terms& terms,
 
 std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
                                  const std::optional<double>& known_mass) {
-  const double reach = std::min(kMostShiftRows, longest_rows(log.records.front().sample_time));
+  const double reach = most_shift(log.records.front().sample_time);
   const ShiftCost cost(log, rows, reach);
   double best = kHeldForce;
   double least = cost(best, known_mass);
@@ -341,39 +188,56 @@ LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFi
   return solve(log, rows, terms, &fit);
 }
 
-Told ask_reversals(AlignedLog& log, const Rows& rows, Terms terms, const LinearFit& fit, double found) {
-  constexpr double kStep = 4.0, kFinest = 0.1;  // [rows]
-  const double before = log.shift;
-  terms.shift = false;
-  const double reach = std::min(kMostShiftRows, longest_rows(log.records.front().sample_time));
-  const AroundReversals reversals(log);
-  const auto left = [&](double shift) {
-    align(log, shift, rows);
-    return reversals.left(log, solve(log, rows, terms, &fit), shift);
-  };
-  Told told;
-  told.found = found;
-  told.of_found = left(found);
-  told.of_held = told.least = left(kHeldForce);
-  if (!std::isfinite(told.least)) {
-    align(log, before, rows);
-    return told;
-  }
+namespace {
+
+/// The shift that leaves least, on whole rows and then finer.
+template <class Left>
+void search(double reach, const Left& left, Reversed& out) {
+  constexpr double kStep = 4.0, kLeastStep = 0.1;  // [rows]
   const auto take_better = [&](double shift) {
-    const double squares = std::abs(shift) > reach ? told.least : left(shift);
-    if (squares < told.least) told.shift = shift, told.least = squares;
+    if (std::abs(shift) > reach) return;
+    const double squares = left(shift);
+    if (squares < out.least) out.shift = shift, out.least = squares;
   };
   for (double shift = -kStep * std::floor(reach / kStep); shift <= reach; shift += kStep) take_better(shift);
-  for (double step = 0.5 * kStep; step > kFinest; step *= 0.5) {
-    const double at = told.shift;
+  for (double step = 0.5 * kStep; step > kLeastStep; step *= 0.5) {
+    const double at = out.shift;
     take_better(at - step);
     take_better(at + step);
   }
-  align(log, told.shift, rows);
-  told.of_sliding = squares_left(log, rows, terms, solve(log, rows, terms, &fit)) /
-                    static_cast<double>(std::max<std::size_t>(1, rows.size()));
   // A shift at the border of the search is none.
-  if (std::abs(told.shift) > reach - kStep) told.shift = kHeldForce, told.least = told.of_held;
+  if (std::abs(out.shift) > reach - 0.25) out.shift = kHeldForce, out.least = out.of_held;
+}
+
+}  // namespace
+
+Told ask_reversals(AlignedLog& log, const Rows& rows, Terms terms, const LinearFit& fit, double found) {
+  const double before = log.shift;
+  terms.shift = false;
+  const double reach = most_shift(log.records.front().sample_time);
+  const AroundReversals reversals(log);
+  std::map<double, AroundReversals::Left> known;
+  const auto left = [&](double shift) {
+    const auto old = known.find(shift);
+    if (old != known.end()) return old->second;
+    align(log, shift, rows);
+    return known[shift] = reversals.left(log, solve(log, rows, terms, &fit), shift);
+  };
+  const AroundReversals::Left of_found = left(found), of_held = left(kHeldForce);
+  Told told;
+  told.found = found;
+  told.friction = of_held.friction;
+  told.simple = {kHeldForce, of_held.simple, of_found.simple, of_held.simple};
+  told.mixed = {kHeldForce, of_held.mixed, of_found.mixed, of_held.mixed};
+  if (std::isfinite(of_held.simple)) {
+    search(
+        reach, [&](double shift) { return left(shift).simple; }, told.simple);
+    search(
+        reach, [&](double shift) { return left(shift).mixed; }, told.mixed);
+    align(log, told.simple.shift, rows);
+    told.of_sliding = squares_left(log, rows, terms, solve(log, rows, terms, &fit)) /
+                      static_cast<double>(std::max<std::size_t>(1, rows.size()));
+  }
   align(log, before, rows);
   return told;
 }
@@ -394,18 +258,27 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) 
     terms.shift = false;
     align(log, log.held, rows);
     fit = solve(log, rows, terms, &fit);
-    gain = squares_left(log, rows, terms, fit) / std::max(with, 1e-300);
+    const double without = squares_left(log, rows, terms, fit);
+    gain = without / std::max(with, 1e-300);
     const AroundReversals reversals(log);
-    const double of_found = reversals.left(log, refined, found), of_held = reversals.left(log, fit, log.held);
-    told = told && !(of_found > kRefuted * of_held);
-    supported = of_held > kRefuted * of_found;
+    const AroundReversals::Left of_found = reversals.left(log, refined, found),
+                                of_held = reversals.left(log, fit, log.held);
+    const auto n = static_cast<double>(std::max<std::size_t>(1, rows.size()));
+    const double small = std::pow(of_held.friction, 2.0) * kOfFriction;
+    supported = of_held.simple > kMuchMoreLeft * of_found.simple &&
+                of_held.mixed > kMuchMoreLeft * of_found.mixed &&
+                of_found.simple < std::min(small, kMostLeft * with / n);
+    const bool refuted = of_found.simple > kMuchMoreLeft * of_held.simple &&
+                         of_found.mixed > kMuchMoreLeft * of_held.mixed &&
+                         of_held.simple < std::min(small, kMostLeft * without / n);
+    told = told && !(refuted && std::abs(found - log.held) > kNearShift);
   }
   // A shift that does not reduce the residual of the force is not believed. One that reduces it much needs no further evidence: its
   // half width follows from the residual, whose correlation is longer than that of the motion.
   const double away = std::abs(found - log.held);
   const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
   const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);
-  if (told && (seen || plain || supported)) {
+  if (told && (seen || plain || (supported && away > std::max(0.5 * half_width, 0.02)))) {
     // With a shift of many rows the fit of a held force is far off; the reference must not be asked by it.
     terms.shift = true;
     align(log, found, rows);

@@ -11,6 +11,7 @@
 ///
 /// Inside ident only. Real time: no.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -34,29 +35,50 @@ void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const 
 /// Needs terms.shift; aligns the log again.
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit);
 
-/// What the rows around reversals say of the shift. On a single sine a shift looks like a mass in the rows that slide; where friction
-/// changes its direction it does not: there it comes with the motion, in a distance that is not known.
-struct Told {
-  double shift = kHeldForce;  ///< that leaves least force around reversals [rows]
-  /// Mean square of the force that is left around reversals: at this shift, at the one found and at that of a held force; and in the rows
-  /// that slide, at this shift [N²]. NaN: there are no reversals.
+/// Mean square of the force that is left around reversals [N²]. NaN: there are no reversals.
+struct Reversed {
+  double shift = kHeldForce;  ///< that leaves least [rows]
   double least = std::numeric_limits<double>::quiet_NaN();
-  double of_found = std::numeric_limits<double>::quiet_NaN();
-  double of_held = std::numeric_limits<double>::quiet_NaN();
-  double of_sliding = std::numeric_limits<double>::quiet_NaN();
-  double found = kHeldForce;  ///< in the rows that slide [rows]
+  double of_found = std::numeric_limits<double>::quiet_NaN();  ///< at the shift of the rows that slide
+  double of_held = std::numeric_limits<double>::quiet_NaN();   ///< at that of a held force
+};
 
-  /// Whether the shift found leaves much more than this one. Within two rows the rows that slide know better: how friction comes with the
-  /// motion is a model.
-  [[nodiscard]] bool refutes_found() const noexcept { return refutes(found, of_found, 2.0); }
-  [[nodiscard]] bool refutes_held() const noexcept { return refutes(kHeldForce, of_held, 1.0); }
+inline constexpr double kMuchMoreLeft = 2.0;  ///< ratio of these squares that decides
+inline constexpr double kMostLeft =
+    9.0;  ///< of the square in the rows that slide: with more, friction reverses in another way
+inline constexpr double kNearShift =
+    2.0;  ///< [rows] within which the rows that slide know better: how friction reverses is a model
+inline constexpr double kOfFriction =
+    0.01;  ///< of its square: what may be left where a model of friction is right
+
+/// What the rows around reversals say of the shift. On a single sine a shift looks like a mass in the rows that slide; where friction
+/// changes its direction it does not: there it comes with the motion, in a distance that is not known, or in many.
+struct Told {
+  double found = kHeldForce;                                     ///< in the rows that slide [rows]
+  double of_sliding = std::numeric_limits<double>::quiet_NaN();  ///< mean square that is left there [N²]
+  double friction = std::numeric_limits<double>::quiet_NaN();    ///< where the axis hardly moves [N]
+  Reversed simple;                                               ///< with one distance
+  Reversed mixed;  ///< with shares of many: they follow any friction, and know the shift less well
+
+  /// Whether the shift found leaves much more than another one, however friction comes.
+  [[nodiscard]] bool refutes_found() const noexcept {
+    const double needed = is_explained() ? kMuchMoreLeft : 10.0;
+    return is_rigid() && simple.of_found > needed * simple.least && mixed.of_found > needed * mixed.least &&
+           std::abs(found - simple.shift) > kNearShift && std::abs(found - mixed.shift) > kNearShift;
+  }
+  /// Whether a force that is held for its row is not what the reversals show, so that the shift of `simple` is taken.
+  [[nodiscard]] bool refutes_held() const noexcept {
+    constexpr double kAgree = 4.0, kFar = 1.0;  // [rows]
+    return is_explained() && simple.of_held > kMuchMoreLeft * simple.least &&
+           mixed.of_held > kMuchMoreLeft * mixed.least && std::abs(simple.shift - mixed.shift) < kAgree &&
+           std::abs(kHeldForce - simple.shift) > kFar;
+  }
 
  private:
-  [[nodiscard]] bool refutes(double other, double left, double near) const noexcept {
-    constexpr double kMuchMore = 2.0;
-    constexpr double kExplained =
-        20.0;  // of the rows that slide: what is left means that friction reverses in another way
-    return left > kMuchMore * least && least < kExplained * of_sliding && std::abs(other - shift) > near;
+  /// Of a drive that gives way, or with a play, the model knows neither the rows that slide nor the reversals.
+  [[nodiscard]] bool is_rigid() const noexcept { return of_sliding < kOfFriction * friction * friction; }
+  [[nodiscard]] bool is_explained() const noexcept {
+    return is_rigid() && simple.least < std::min(kMostLeft * of_sliding, kOfFriction * friction * friction);
   }
 };
 

@@ -66,7 +66,7 @@ void take_out_shift(Stage& stage, Notes& notes) {
     stage.first_shift = stage.log.shift;
     return;
   }
-  if (told.refutes_held()) stage.log.held = stage.first_shift = told.shift;
+  if (told.refutes_held()) stage.log.held = stage.first_shift = told.simple.shift;
   if (!shift && stage.log.held == kHeldForce) return;
   stage.terms.shift = false;
   align(stage.log, stage.log.held, stage.rows);

@@ -112,6 +112,8 @@ class Series {
     if (std::isfinite(step)) return step;
     const double apart = smallest({y_.data(), y_.data() + y_.size()});
     if (!std::isfinite(apart)) return 0.0;
+    const double power = std::log10(apart);
+    if (std::abs(power - std::round(power)) < 1e-3) return apart;  // perhaps one step of a coarse indicator
     step = std::pow(10.0, std::floor(std::log10(0.5 * apart)));
     const auto fits = [&] {
       return std::all_of(y_.data(), y_.data() + y_.size(),
