@@ -58,7 +58,7 @@ class TableCascade final : public AroundCascade {
     a.begun = true;
     constexpr double kSlow = 1e-12;  // of the last direction [m/s]
     const double friction = std::abs(table.force(v != 0.0 ? v : a.direction * kSlow));
-    return a.bristles.step(*table.bristles, travel, friction) * friction;
+    return a.bristles.step(*table.bristles, travel, friction, a.direction) * friction;
   }
 
   double weight(std::size_t i, double position, double v, double acceleration) {

@@ -42,17 +42,23 @@ std::string force_with_memory(const std::string& axis, const friction::BuildUp& 
           "  int begun, backward;\n"
           "  double before;    /* m */\n"
           "  double built[{1}]; /* -1 to 1 in sum */\n"
+          "  double level;     /* N */\n"
           "}};\n"
           "/* Force [N] for a motion of the command: acceleration [m/s2]. Once in every cycle, also at standstill. */\n"
           "static double {0}_force(struct {0}_memory *m, double acceleration, double velocity, double position) {{\n"
           "  const double change = position - m->before;\n"
           "  /* A position that wraps, or is set anew, goes against the velocity. */\n"
           "  const double travel = m->begun && change * velocity > 0.0 ? change : 0.0;\n"
+          "  const int turns = m->backward ? velocity > 0.0 : velocity < 0.0;\n"
           "  double level, other, share = 0.0;\n"
           "  m->begun = 1;\n"
           "  m->before = position;\n"
           "  if (velocity != 0.0) m->backward = velocity < 0.0;\n"
-          "  {0}_parts(velocity, m->backward, position, &level, &other);\n",
+          "  {0}_parts(velocity, m->backward, position, &level, &other);\n"
+          "  /* The force stays at a reversal, also where the friction of the other direction is another one. */\n"
+          "  if (turns && level > 0.0)\n"
+          "    for (int i = 0; i < {1}; ++i) m->built[i] *= m->level / level;\n"
+          "  if (level > 0.0) m->level = level;\n",
           axis, count);
   if (bristles.stops.empty()) {
     out += fmt::format(
@@ -67,7 +73,7 @@ std::string force_with_memory(const std::string& axis, const friction::BuildUp& 
         "  for (int i = 0; i < {1}; ++i) {{\n"
         "    if (level > 0.0) {{\n"
         "      const double most = {0}_weight[i], now = m->built[i] + {0}_stiffness[i] * travel / level;\n"
-        "      m->built[i] = now > most ? most : now < -most ? -most : now;\n"
+        "      m->built[i] = travel > 0.0 && now > most ? most : travel < 0.0 && now < -most ? -most : now;\n"
         "    }}\n"
         "    share += m->built[i];\n"
         "  }}\n",

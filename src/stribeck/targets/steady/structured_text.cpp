@@ -33,7 +33,21 @@ std::string built_up(const friction::BuildUp& bristles) {
       "  travel := 0.0;\n"
       "END_IF;\n"
       "begun := TRUE;\n"
-      "before := position;\n";
+      "before := position;\n"
+      // The force stays at a reversal, also where the friction of the other direction is another one.
+      "IF level > 0.0 THEN\n"
+      "  IF forward <> was_forward THEN\n";
+  out += bristles.stops.empty() ? std::string("    h := h * level_before / level;\n")
+                                : fmt::format(
+                                      "    FOR i := 0 TO {} DO\n"
+                                      "      stop[i] := stop[i] * level_before / level;\n"
+                                      "    END_FOR;\n",
+                                      bristles.stops.size() - 1);
+  out +=
+      "  END_IF;\n"
+      "  was_forward := forward;\n"
+      "  level_before := level;\n"
+      "END_IF;\n";
   if (bristles.stops.empty())
     return out +
            "IF level > 0.0 AND travel > 0.0 THEN\n"
@@ -46,7 +60,12 @@ std::string built_up(const friction::BuildUp& bristles) {
                    "h := 0.0;\n"
                    "FOR i := 0 TO {} DO\n"
                    "  IF level > 0.0 THEN\n"
-                   "    stop[i] := LIMIT(-weight[i], stop[i] + stiffness[i] * travel / level, weight[i]);\n"
+                   "    stop[i] := stop[i] + stiffness[i] * travel / level;\n"
+                   "    IF travel > 0.0 THEN\n"
+                   "      stop[i] := MIN(stop[i], weight[i]);\n"
+                   "    ELSIF travel < 0.0 THEN\n"
+                   "      stop[i] := MAX(stop[i], -weight[i]);\n"
+                   "    END_IF;\n"
                    "  END_IF;\n"
                    "  h := h + stop[i];\n"
                    "END_FOR;\n"
@@ -96,7 +115,7 @@ std::string block_of(const Axis& axis, const SourceTables& tables, const std::st
       "  s, level, other, F : LREAL;\n",
       n, type);
   if (bristles) {
-    out += "  begun : BOOL;\n  before, travel, h : LREAL;\n";
+    out += "  begun, was_forward : BOOL;\n  before, travel, h, level_before : LREAL;\n";
     if (!bristles->stops.empty())
       out += fmt::format("  stop : ARRAY[0..{}] OF LREAL;\n", bristles->stops.size() - 1);
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <cstdlib>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -60,6 +61,9 @@ std::string as_c(std::string st) {
                                  {"\\bSIN\\b", "sin"},
                                  {"\\bEXP\\b", "exp"},
                                  {"\\bLIMIT\\b", "limit"},
+                                 {"\\bMIN\\b", "fmin"},
+                                 {"\\bMAX\\b", "fmax"},
+                                 {"<>", "!="},
                                  {"\\bLREAL_TO_INT\\b", "lround"}})
     code = replaced(code, word, by);
   return "#include <math.h>\n#include <stdio.h>\nstatic double limit(double low, double x, double high) { return fmin(fmax(x, low), high); }\n"
@@ -147,6 +151,41 @@ TEST(StructuredText, OneBristleIsThatOfTheModel) {
     if (k > 0) law.advance(state, (motion[k].position - motion[k - 1].position) / 1e-3, 40.0, 1e-3);
     ASSERT_NEAR(force[k], 100.0 * motion[k].acceleration + 800e3 * state.z + 5.0, 0.1) << k;
   }
+}
+
+// Friction of 40 N forward and 120 N backward: the force of a reversal stays, and comes to that of the other direction over the travel.
+TEST(StructuredText, TheForceStaysAtAReversalToAnotherLevel) {
+  const std::string level =
+      "mass = \"100 kg\"\nload = \"5 N\"\n[friction.steady]\nkind = \"gaussian\"\n"
+      "positive = { eta0 = \"40 N\", eta1 = \"0 N s/mm\" }\nnegative = { eta0 = \"-120 N\", eta1 = \"0 N s/mm\" }\n";
+  const std::vector<Sample> motion = sine(4000);
+  const auto expect = [&](const std::string& dynamics, const std::function<double(double, double)>& law) {
+    SteadyExport x(level + "[friction.dynamics]\n" + dynamics);
+    const std::vector<double> force = run(x, "structured-text", motion);
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      const double travel = k > 0 ? motion[k].position - motion[k - 1].position : 0.0;
+      const double friction = law(travel, travel < 0.0 ? 120.0 : 40.0);
+      // In the period of a reversal the block counts no travel, 10 nm here.
+      ASSERT_NEAR(force[k], 100.0 * motion[k].acceleration + friction + 5.0, 0.2) << k;
+    }
+  };
+  const friction::LuGre<double> lugre{800e3, 0.0, {}};
+  friction::LuGre<double>::State state;
+  expect("kind = \"lugre\"\nsigma0 = \"800 N/mm\"\n", [&](double travel, double now) {
+    lugre.advance(state, travel / 1e-3, now, 1e-3);
+    return 800e3 * state.z;
+  });
+  const double stiffness[] = {3e6, 8e4}, share[] = {0.6, 0.4};
+  double stop[2] = {};
+  expect(
+      "kind = \"gms\"\nattraction = \"1e9 N/s\"\nelements = [{ stiffness = \"3000 N/mm\", share = 0.6 }, { stiffness = \"80 N/mm\", share = 0.4 }]\n",
+      [&](double travel, double now) {
+        for (int i = 0; i < 2; ++i) {
+          stop[i] += stiffness[i] * travel;
+          stop[i] = travel < 0.0 ? std::max(stop[i], -now * share[i]) : std::min(stop[i], now * share[i]);
+        }
+        return stop[0] + stop[1];
+      });
 }
 
 // A turntable whose position begins anew in each turn, and an axis whose position is set anew at rest.
