@@ -134,8 +134,9 @@ void write_elastic(const ident::residual::Elastic& e, ident::Result& r) {
                           e.frequency_interval.high, told(e.frequency_interval)});
   const double share = std::min(0.99, e.table_mass / whole);
   r.warnings.push_back(fmt::format(
-      "the drive gives way between motor and table (a belt, a coupling, a long screw): {:.0f} % of the mass swings behind it at {:.3g} Hz while the motor stands (damping ratio {:.2g}); this force was taken off the log, and the fit was made again, so that the mass is that of motor and table; pre-sliding is what the motor sees, with the wind-up of the drive in it; this holds for an encoder at the motor, not for a scale at the table; as axial_mode of a virtual machine: frequency {:.3g} Hz, table_share {:.2g}, damping_ratio {:.2g}; stribeck frequency shows the resonance",
-      100.0 * share, e.frequency, e.damping, e.frequency, share, e.damping));
+      "the drive gives way between motor and table (a belt, a coupling, a long screw): {}{:.0f} % of the mass swings behind it at {:.3g} Hz while the motor stands (damping ratio {:.2g}); this force was taken off the log, and the fit was made again, so that the mass is that of motor and table; pre-sliding is what the motor sees, with the wind-up of the drive in it; this holds for an encoder at the motor, not for a scale at the table; as axial_mode of a virtual machine: frequency {:.3g} Hz, table_share {:.2g}, damping_ratio {:.2g}; stribeck frequency shows the resonance",
+      told(e.table_interval) ? "" : "about ", 100.0 * share, e.frequency, e.damping, e.frequency, share,
+      e.damping));
 }
 
 std::string in_words(double size, double half_width, double hangs_at, const ident::Shown& people) {
