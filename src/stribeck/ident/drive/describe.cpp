@@ -45,6 +45,8 @@ class Description {
     write_head();
     for (int s = 0; s < map::kSides; ++s) write_summary(s);
     for (int s = 0; s < map::kSides; ++s) write_speeds(s);
+    if (const auto rise = one_sided_rise(map(), found_.rows.grid, Shown(found_.log.records.front())))
+      notes_.warn(*rise);
     write_shift();
     write_map();
     add_periodic(result_, found_, notes_);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/drive/summary.hpp>
@@ -15,6 +17,9 @@ constexpr int kLinePoints = 21;
 /// Of the top speed of the other direction: a curve that ends before ends within the Stribeck part.
 constexpr double kAlike = 0.25;
 constexpr int kShownSpeeds = 9;
+constexpr double kLargeRise = 0.8;   // of the friction; Stribeck parts of guides reach about half
+constexpr double kUnlikeRise = 0.6;  // of the friction, between the directions
+constexpr double kAsSlow = 5.0;      // the other direction was that slow, too
 
 Figure sum_of(double a, const Figure& x, double b, const Figure& y) {
   return {a * x.value + b * y.value, a * x.slope + b * y.slope};
@@ -53,6 +58,23 @@ std::array<Figure, 2> line_of(const map::StaticFit& map, int side, const map::Gr
       out[k].value += weight * f.value;
       out[k].slope = i == 0 ? VectorXd(weight * f.slope) : VectorXd(out[k].slope + weight * f.slope);
     }
+  }
+  return out;
+}
+
+/// How far friction rises from its least value to the slowest speed of one direction.
+struct Rise {
+  double slow = 0.0, fast = 0.0;               ///< [m/s]
+  double slow_friction = 0.0, friction = 0.0;  ///< [N]
+  [[nodiscard]] double size() const { return slow_friction - friction; }
+};
+
+Rise rise_of(const map::StaticFit& map, int side, const map::Grid& grid) {
+  Rise out{grid.low, grid.low, friction_at(map, side, grid.low).value, 0.0};
+  out.friction = out.slow_friction;
+  for (const double speed : curve_speeds(grid, kLinePoints)) {
+    const double friction = friction_at(map, side, speed).value;
+    if (friction < out.friction) out.fast = speed, out.friction = friction;
   }
   return out;
 }
@@ -98,6 +120,26 @@ Summary summary_of(const map::StaticFit& map, int side, const map::Grid& grid) {
   const Figure crossing = sum_of(1.0, above(high), -left, out.rise);
   out.stribeck_speed = Figure{high, crossing.slope / -fall};
   return out;
+}
+
+std::optional<std::string> one_sided_rise(const map::StaticFit& map,
+                                          const std::array<map::Grid, map::kSides>& grid,
+                                          const Shown& shown) {
+  if (!(grid[0].high > 0.0) || !(grid[1].high > 0.0)) return {};
+  const std::array<Rise, map::kSides> rise{rise_of(map, 0, grid[0]), rise_of(map, 1, grid[1])};
+  // A load that was taken for friction raises one direction and lowers the other: their mean is the friction.
+  const double level = 0.5 * (rise[0].friction + rise[1].friction);
+  const std::size_t s = rise[0].size() > rise[1].size() ? 0 : 1;
+  const Rise& own = rise[s];
+  if (!(level > 0.0) || !(own.size() > kLargeRise * level) ||
+      !(own.size() - rise[1 - s].size() > kUnlikeRise * level) || grid[1 - s].low > kAsSlow * grid[s].low)
+    return {};
+  return fmt::format(
+      "friction of the {} direction is {} at {} and {} at {}, and the other direction has no such rise: friction is seldom like "
+      "that, but a force of the process (drilling, cutting, clamping) at slow feed is, and it would become part of the "
+      "compensation: identify from motion without process",
+      s == 0 ? "positive" : "negative", shown.force(own.slow_friction), shown.speed(own.slow),
+      shown.force(own.friction), shown.speed(own.fast));
 }
 
 std::vector<double> shown_speeds(const map::Grid& grid) {

@@ -16,6 +16,8 @@
 #include <optional>
 #include <stribeck/ident/map/static_fit.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/ident/shown.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -52,5 +54,10 @@ std::vector<double> curve_speeds(const map::Grid& grid, int points);
 /// The part of a curve in ascending speed that the data tell, from the first to behind the last of its points: at its ends the half width
 /// is at most a fifth of the friction. The whole curve where fewer than ten points are left.
 std::pair<std::size_t, std::size_t> told_part(const std::vector<CurvePoint>& points);
+
+/// A sentence where friction rises towards rest by most of itself in one direction and in the other one does not: a force of the
+/// process during slow feed looks like that.
+std::optional<std::string> one_sided_rise(const map::StaticFit& map,
+                                          const std::array<map::Grid, map::kSides>& grid, const Shown& shown);
 
 }  // namespace stribeck::ident::drive

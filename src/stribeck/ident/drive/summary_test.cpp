@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -123,6 +124,26 @@ TEST(Summary, ACurveEndsWhereTheDataHardlyTellIt) {
   // Nine points are no curve.
   EXPECT_EQ(part_of({30, 1, 1, 1, 1, 1, 1, 1, 1, 1}), (std::pair<std::size_t, std::size_t>{0, 10}));
   EXPECT_EQ(part_of({}), (std::pair<std::size_t, std::size_t>{0, 0}));
+}
+
+// The thrust of a drill: friction of both directions is alike but for the slow feed downwards.
+TEST(Summary, ARiseOfOneDirectionAloneIsSaid) {
+  const Shown shown{log::Record{}};
+  map::StaticFit fit = with_stribeck();
+  EXPECT_FALSE(one_sided_rise(fit, {kGrid, kGrid}, shown));
+  fit.branch[1].terms[0].a = 60.0;
+  const auto said = one_sided_rise(fit, {kGrid, kGrid}, shown);
+  ASSERT_TRUE(said);
+  EXPECT_THAT(*said, ::testing::HasSubstr("friction of the negative direction is"));
+  EXPECT_THAT(*said, ::testing::HasSubstr("force of the process"));
+  // Both directions rise; a load that was taken for friction; the other direction was never slow.
+  map::StaticFit both = fit;
+  both.branch[0].terms[0].a = 50.0;
+  EXPECT_FALSE(one_sided_rise(both, {kGrid, kGrid}, shown));
+  map::StaticFit loaded = with_stribeck();
+  loaded.branch[0].eta0 += 35.0, loaded.branch[1].eta0 -= 35.0;
+  EXPECT_FALSE(one_sided_rise(loaded, {kGrid, kGrid}, shown));
+  EXPECT_FALSE(one_sided_rise(fit, {map::Grid{0.02, 0.1, 50}, kGrid}, shown));
 }
 
 }  // namespace
