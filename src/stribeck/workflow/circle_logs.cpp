@@ -407,6 +407,9 @@ void check_counts(const CircleOptions& o) {
                                         o.logs.size()));
 }
 
+constexpr const char* kNoCauses =
+    "the causes are not told: that takes a row every 2.5 degrees, and an arc on which they differ";
+
 }  // namespace
 
 io::Log read_circle_log(const std::string& path) {
@@ -445,14 +448,20 @@ report::CircleReportInput judge_circles(const CircleOptions& o, const std::vecto
     if (!input.logs.empty()) check_as_first(j.one, input.logs.front());
     std::vector<circle::CircleMotion> own_motions;
     add_test(j.one, j.all, input.radius, own_motions);
-    if (!o.together && !own_motions.empty()) j.one.diagnosis = circle::diagnose(own_motions);
+    if (!o.together && !own_motions.empty()) {
+      j.one.diagnosis = circle::diagnose(own_motions);
+      if (!j.one.diagnosis) j.one.notes.emplace_back(kNoCauses);
+    }
     motions.insert(motions.end(), std::make_move_iterator(own_motions.begin()),
                    std::make_move_iterator(own_motions.end()));
     for (const std::string& note : j.one.notes) input.warnings.push_back(j.one.label + ": " + note);
     if (input.logs.empty()) input.rows = j.rows;
     input.logs.push_back(std::move(j.one));
   }
-  if (o.together && !motions.empty()) input.together = circle::diagnose(motions);
+  if (o.together && !motions.empty()) {
+    input.together = circle::diagnose(motions);
+    if (!input.together) input.warnings.emplace_back(kNoCauses);
+  }
   return input;
 }
 

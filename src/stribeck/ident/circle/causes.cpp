@@ -98,6 +98,7 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
   };
   switch (c.kind) {
     case CauseKind::kBacklash: {
+      if (c.count < 2) break;  // one end alone
       for (const double end : {1.0, -1.0}) {
         g(c.first + 1) = end;
         figure(end > 0.0 ? "at the positive end" : "at the negative end", (first + end * second) * 1e6,
@@ -243,8 +244,10 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   double width = 0.0;
   int count = 0;
   int clear = 0;
+  bool in_play = false;
   for (const QuadrantPeak& p : peaks) {
     if (p.axis != axis) continue;
+    in_play = in_play || p.in_play;
     sum += p.height;
     squares += p.height * p.height;
     noise = std::max(noise, p.half_width_95);
@@ -256,9 +259,13 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   if (count == 0) return out;
   out.size = sum / count;
   const double spread = count > 1 ? std::max(0.0, squares - sum * sum / count) / (count - 1) : 0.0;
-  out.half_width = std::hypot(noise, 1.96 * std::sqrt(spread)) / std::sqrt(static_cast<double>(count));
+  // Tops that lie in the play, and what a top has between rows, are not chance: more reversals do not make them smaller.
+  constexpr double kBetweenRows = 0.03;
+  const double of_one = std::hypot(noise, 1.96 * std::sqrt(spread));
+  const double of_mean = of_one / std::sqrt(static_cast<double>(count));
+  out.half_width = std::hypot(in_play ? of_one : of_mean, kBetweenRows * out.size);
   out.effect = std::abs(out.size);
-  out.found = 2 * clear > count && std::abs(out.size) > out.half_width;
+  out.found = 2 * clear > count && std::abs(out.size) > of_mean;
   const std::array<PeaksAtEnd, 2> ends = peaks_at_ends(peaks, axis);
   if (const Cause alone = spike_at_one_end(ends, axis); alone.found) return alone;
   tell_opposite_ends(ends, out);
@@ -281,7 +288,8 @@ std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, doubl
     for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * std::abs(end.value));
     const bool stands = c.size > 0.0;
     out[axis] = {stands ? std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)) : windows[axis], most, stands};
-    for (std::size_t end = 0; end < 2; ++end) out[axis].at_ends[end] = 1e-6 * c.figures[end].value;
+    for (std::size_t end = 0; end < 2; ++end)
+      out[axis].at_ends[end] = end < c.figures.size() ? 1e-6 * c.figures[end].value : c.size;
   }
   return out;
 }
@@ -423,6 +431,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
     out.causes.push_back(std::move(c));
   }
   rank(out.causes);
+  for (Cause& c : out.causes) c.broad = c.kind == CauseKind::kReversalSpike && f.fit.window() > kBroad;
   out.remarks = remarks_on(f.rows, f.fit, out.causes, out.peaks, motions, commanded);
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window();

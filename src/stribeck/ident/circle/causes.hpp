@@ -59,6 +59,7 @@ struct QuadrantPeak {
       std::numeric_limits<double>::quiet_NaN();  ///< a lower top of the other sign before it [m]; NaN: none
   double repeatability = 0.0;  ///< standard deviation of the height over laps [m]; NaN: one lap
   int laps = 0;
+  bool in_play = false;  ///< its top lies where the axis crosses its play: it may be higher
 };
 
 struct Cause {
@@ -72,6 +73,8 @@ struct Cause {
   /// Of a reversal spike: a lower top of the other sign that comes first [m]; NaN: none. It tells the cause; the larger one is what the
   /// loop makes of it.
   double before = std::numeric_limits<double>::quiet_NaN();
+  /// Of a reversal spike: what an axis does behind its reversals reaches so far that it may stick and slip all along, and no advice holds.
+  bool broad = false;
   /// A second number that the trade knows it by: name, value, unit of files. Empty name: none.
   struct Figure {
     std::string name;

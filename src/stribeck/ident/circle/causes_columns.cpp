@@ -1,8 +1,28 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes_parts.hpp>
 
 namespace stribeck::ident::circle {
+
+namespace {
+
+/// Whether the rows hold the passage of an axis through both of its ends: on an arc of half a turn they do not, and play that differs
+/// between the ends looks like lateral play of the other axis.
+bool passes_both_ends(const CauseRows& rows, int axis) {
+  constexpr double kBeside = 4.0 * kPi / 180.0;
+  std::array<bool, 4> seen{};  // before and behind the positive end, the same of the negative one
+  for (const CauseRow& row : rows.rows) {
+    const double from_end = std::remainder(row.angle - (axis == 0 ? 0.0 : 0.5 * kPi), kPi);  // either end
+    if (std::abs(from_end) < kBeside || std::abs(from_end) > 2.0 * kBeside) continue;
+    const double at = axis == 0 ? std::cos(row.angle) : std::sin(row.angle);
+    seen[(at > 0.0 ? 0U : 2U) + (from_end > 0.0 ? 0U : 1U)] = true;
+  }
+  return std::all_of(seen.begin(), seen.end(), [](bool s) { return s; });
+}
+
+}  // namespace
 
 Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   Columns c;
@@ -21,8 +41,7 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
     add(CauseKind::kStraightness, 0);
     add(CauseKind::kStraightness, 1);
   }
-  add(CauseKind::kBacklash, 0, 2);
-  add(CauseKind::kBacklash, 1, 2);
+  for (const int axis : {0, 1}) add(CauseKind::kBacklash, axis, passes_both_ends(rows, axis) ? 2 : 1);
   if (rows.both_directions || !square) add(CauseKind::kServoMismatch, std::nullopt);
   if (rows.both_directions) {
     add(CauseKind::kLateralPlay, 0);
@@ -62,7 +81,7 @@ Eigen::VectorXd column_values(const CauseRows& rows, const Columns& c, const Cau
         break;
       case CauseKind::kBacklash:
         out[0] = x ? -0.5 * vx * co : -0.5 * vy * si;
-        out[1] = x ? -0.5 * vx * std::abs(co) : -0.5 * vy * std::abs(si);
+        if (cause.count > 1) out[1] = x ? -0.5 * vx * std::abs(co) : -0.5 * vy * std::abs(si);
         break;
       case CauseKind::kServoMismatch:
         *out = at.direction * speed * std::sin(2.0 * at.angle);

@@ -96,6 +96,8 @@ struct Design {
 };
 Design design_of(const CauseRows& rows, const std::vector<Pitch>& pitches);
 
+/// A window as long as this is not that of a spike alone [rad].
+inline constexpr double kBroad = 44.0 * kPi / 180.0;
 /// Angles behind the reversals of x and of y that a fit leaves out [rad].
 using Windows = std::array<double, 2>;
 

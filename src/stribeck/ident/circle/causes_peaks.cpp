@@ -151,18 +151,19 @@ struct FinePeak {
   double width = 0.0;  ///< at half height [rad]; NaN: reaches over the samples
 };
 
-/// Standard deviation of a sample, from the median difference of neighbours: the flanks of a peak are no noise.
+/// Standard deviation of a sample, from the median second difference of neighbours: the flanks of a peak are no noise.
 double noise_of(const std::vector<PassingSamples::Sample>& samples) {
-  constexpr double kOfMedian = 1.0484;  // 1/(0.6745·√2)
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    if (samples[i].goes_on) steps.push_back(std::abs(samples[i].rest - samples[i - 1].rest));
+  constexpr double kOfMedian = 0.6053;  // 1/(0.6745·√6)
+  std::vector<double> bends;
+  for (std::size_t i = 2; i < samples.size(); ++i) {
+    if (samples[i].goes_on && samples[i - 1].goes_on)
+      bends.push_back(std::abs(samples[i].rest - 2.0 * samples[i - 1].rest + samples[i - 2].rest));
   }
-  return steps.empty() ? HUGE_VAL : kOfMedian * stats::median(std::move(steps));
+  return bends.empty() ? HUGE_VAL : kOfMedian * stats::median(std::move(bends));
 }
 
-/// The peak of samples of which few are on it: in each passing the parabola through the largest one and its neighbours. Absent where
-/// noise decides which is the largest, or where it is the first or the last one.
+/// The peak of samples of which few are on it: in each passing the parabola through the largest one and its neighbours; where it is the
+/// first or the last one, half of what it falls to its only neighbour is not known. Absent where noise decides which is the largest.
 std::optional<FinePeak> peak_of_few(const std::vector<PassingSamples::Sample>& samples,
                                     const Standing& standing, double noise) {
   constexpr double kOfFall = 0.1;  // to the next sample: what the top may be higher by, at least
@@ -177,7 +178,12 @@ std::optional<FinePeak> peak_of_few(const std::vector<PassingSamples::Sample>& s
     for (last = first + 1; last < value.size() && samples[last].goes_on;) ++last;
     std::size_t top = first;
     for (std::size_t i = first; i < last; ++i) top = side * value[i] > side * value[top] ? i : top;
-    if (top == first || top + 1 == last || !(side * value[top] > kClear * noise)) return std::nullopt;
+    if (last - first < 2 || !(side * value[top] > kClear * noise)) return std::nullopt;
+    if (top == first || top + 1 == last) {
+      const double here = side * value[top], next = side * value[top == first ? top + 1 : top - 1];
+      n += 1.0, sum += here, squares += here * here, fall += 0.5 * (here - next), at += samples[top].behind;
+      continue;
+    }
     const double before = side * value[top - 1], here = side * value[top], behind = side * value[top + 1];
     const double bend = 2.0 * here - before - behind;
     const double off = bend > 0.0 ? 0.5 * (behind - before) / bend : 0.0;  // in rows
@@ -230,8 +236,8 @@ std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& sam
     if (top.steps < kResolved) {
       // Between two steps the top may be higher by what it falls to its neighbours.
       const double next =
-          std::max(at > 0 && std::isfinite(mean[at - 1]) ? std::abs(mean[at - 1]) : 0.0,
-                   at + 1 < cells && std::isfinite(mean[at + 1]) ? std::abs(mean[at + 1]) : 0.0);
+          std::min(at > 0 && std::isfinite(mean[at - 1]) ? std::abs(mean[at - 1]) : HUGE_VAL,
+                   at + 1 < cells && std::isfinite(mean[at + 1]) ? std::abs(mean[at + 1]) : HUGE_VAL);
       half_width = std::hypot(half_width, 0.5 * std::max(0.0, std::abs(top.height) - next));
     }
     out = {top.height, half_width, from + top.at * cell,
@@ -307,10 +313,18 @@ class PeakSearch {
            peak);
       take(few(), peak);
     }
-    if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height)) {
+    const bool tail = begin_ > 0 && top <= begin_ + 1 && std::abs(peak.height) > 2.0 * peak.half_width_95;
+    if (in_play_ && std::abs(in_play_->height) > std::abs(peak.height) &&
+        (beyond_play_ || (tail && in_play_->height * peak.height > 0.0))) {
       take(in_play_, peak);
       const auto at = std::min(static_cast<std::size_t>(in_play_->at / rows_.step), smooth_.size() - 1);
       peak.repeatability = repeatability(at, at);
+    } else if ((tail && top == begin_) || (unsure_ && peak.delay < crossing_.angle)) {
+      // It falls from its first step on: the top was where the axis stood still.
+      constexpr double kUnseen = 0.45;
+      peak.in_play = true;
+      peak.half_width_95 =
+          std::max(peak.half_width_95, std::min(kUnseen * std::abs(peak.height), crossing_.play));
     }
     peak.before = before(top, peak);
     return peak;
@@ -336,12 +350,13 @@ class PeakSearch {
       begin_ = begin;
       constexpr double kBeyondPlay = 0.5;
       in_play_ = fine(0.0, to);
-      if (in_play_ &&
-          !(std::abs(in_play_->height) >
-            std::max(kBeyondPlay * standing_.play, 2.0 * std::max(in_play_->half_width, scatter()))))
+      if (in_play_ && !(std::abs(in_play_->height) > 2.0 * std::max(in_play_->half_width, scatter())))
         in_play_.reset();
+      beyond_play_ = in_play_ && std::abs(in_play_->height) > kBeyondPlay * standing_.play;
     } else if (stands_still(smooth_, begin, crossing_.play)) {
       begin_ = begin;
+    } else {
+      unsure_ = standing.play > 0.0;
     }
   }
 
@@ -421,6 +436,8 @@ class PeakSearch {
   std::size_t within_ = 0;
   Standing standing_;
   std::optional<FinePeak> in_play_;  ///< a peak where the axis crosses its play
+  bool beyond_play_ = false;         ///< it is larger than half of the play
+  bool unsure_ = false;              ///< whether the axis stands still while it crosses its play
 };
 
 /// RMS of the rest where no peak is, over all runs; infinite: nowhere.

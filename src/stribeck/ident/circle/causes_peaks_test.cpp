@@ -86,5 +86,58 @@ TEST(CausesPeaks, ASpikeOfFewRows) {
   }
 }
 
+// A low spike whose top lies where the axis crosses its play: its tail behind the play was stated, 1.1 of 2 um, as if it were the top.
+TEST(CausesPeaks, ALowSpikeWithinThePlay) {
+  VirtualMachine m;
+  m.rate = 1000.0;
+  m.noise = 0.05e-6;
+  m.spike[0] = 2e-6;
+  m.spike_time = 0.04;
+  m.backlash[0] = 6e-6;
+  const Diagnosis d = diagnosis_of(m, {1.0 / 60.0});
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+  EXPECT_TRUE(spike.found);
+  EXPECT_NEAR(spike.size, 2e-6, 0.15e-6);
+  EXPECT_GT(spike.half_width, std::abs(spike.size - 2e-6));
+}
+
+// With few rows in the play the top is not seen: said, and the interval is that of one reversal.
+TEST(CausesPeaks, ATopThatThePlayHidesIsAtLeastAsHigh) {
+  VirtualMachine m;
+  m.rate = 70.0;
+  m.noise = 0.05e-6;
+  m.spike[0] = 6e-6;
+  m.spike_time = 0.04;
+  m.backlash[0] = 5e-6;
+  const Diagnosis d = diagnosis_of(m, {1.0 / 60.0});
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+  EXPECT_TRUE(spike.found);
+  EXPECT_GT(spike.size + spike.half_width, 6e-6);
+  EXPECT_THAT(d.remarks, Contains(HasSubstr("at least as high as stated")));
+}
+
+// Rows 4 ms apart on a spike of 20 ms: the flanks were taken for noise, and a coarse mean for the height.
+TEST(CausesPeaks, TheFlanksOfASpikeAreNoNoise) {
+  VirtualMachine m;
+  m.noise = 0.05e-6;
+  m.spike[0] = 6e-6;
+  m.spike_time = 0.02;
+  const Diagnosis d = diagnosis_of(m, {1.0 / 60.0});
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+  EXPECT_NEAR(spike.size, 6e-6, 0.25e-6);
+  EXPECT_GT(spike.half_width, std::abs(spike.size - 6e-6));
+}
+
+// Stick-slip bends the whole circle: no advice on compensation, which was to be reduced.
+TEST(CausesPeaks, ABroadSpikeGetsNoAdviceOnCompensation) {
+  VirtualMachine m;
+  m.spike[0] = -10e-6;
+  m.spike_time = 0.4;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+  ASSERT_TRUE(spike.found && spike.broad);
+  EXPECT_THAT(std::string(words_of(d, spike).next_step), HasSubstr("stick-slip"));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::circle::causes_peaks_test

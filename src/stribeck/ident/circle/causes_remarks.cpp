@@ -169,11 +169,18 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
         "an arc: the centre, the scales and the squareness are known less well than from a whole circle, the bow of a guide is not looked for, and what "
         "happens in the missing part is not seen");
   for (const std::size_t axis : {0U, 1U}) {
-    constexpr double kBroad = 44.0 * kPi / 180.0;
     if (fit.windows[axis] > kBroad)
       out.push_back(fmt::format(
-          "what {0} does behind its reversals reaches over {1:.0f} degrees and more: a part of its spikes may be stated as backlash of {0}, scale mismatch or radius",
+          "what {0} does behind its reversals reaches over {1:.0f} degrees and more: a part of its spikes may be stated as backlash of {0}, scale mismatch or radius; an axis that sticks and slips all along looks like this too, and then both axes seem to have spikes: look at its error over time",
           rows.axes[axis], fit.windows[axis] * 180.0 / kPi));
+  }
+  for (const int axis : {0, 1}) {
+    if (std::any_of(peaks.begin(), peaks.end(),
+                    [&](const QuadrantPeak& p) { return p.axis == axis && p.in_play; }))
+      out.push_back(fmt::format(
+          "spikes of {} have their top where the axis crosses its play, between rows or hidden by it: they are at least as high as stated; "
+          "more rows, or a larger feed, show more of them",
+          rows.axes[static_cast<std::size_t>(axis)]));
   }
   if (is_found(causes, CauseKind::kReversalSpike)) {
     if (!rows.feeds_differ) {

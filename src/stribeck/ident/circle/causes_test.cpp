@@ -135,6 +135,28 @@ TEST(Causes, OfArcs) {
   }
 }
 
+// Half a turn from border to border: one axis comes to one end alone, and play that differs between the ends would be lateral play of the other.
+TEST(Causes, OfHalfATurn) {
+  for (const int axis : {0, 1}) {
+    VirtualMachine m;
+    m.backlash[axis] = 5e-6;
+    m.tilt = 60e-6;
+    std::mt19937_64 random(19);
+    const VirtualRecord whole = travel(m, kFeed, 1.3, random);
+    VirtualRecord arcs;
+    for (std::size_t i = 0; i < whole.x.size(); ++i) {
+      if ((axis == 0 ? whole.cx[i] : whole.cy[i]) > 0.0) continue;
+      arcs.t.push_back(whole.t[i]), arcs.x.push_back(whole.x[i]), arcs.y.push_back(whole.y[i]);
+      arcs.cx.push_back(whole.cx[i]), arcs.cy.push_back(whole.cy[i]);
+    }
+    const auto d = diagnose({arcs.motion(m.radius)});
+    ASSERT_TRUE(d);
+    EXPECT_EQ(found_in(*d),
+              (std::vector<std::string>{"squareness", axis == 0 ? "backlash x" : "backlash y"}));
+    EXPECT_NEAR(cause_in(*d, CauseKind::kBacklash, axis).size, 5e-6, 0.2e-6);
+  }
+}
+
 TEST(Causes, ASpikeAtOneEndOfAnAxis) {
   VirtualMachine m;
   m.spike[1] = 3e-6;

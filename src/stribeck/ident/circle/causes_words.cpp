@@ -44,6 +44,11 @@ CauseWords words_of(const Diagnosis& d, CauseKind kind) {
 }
 
 CauseWords words_of(const Diagnosis& d, const Cause& cause) {
+  if (cause.kind == CauseKind::kReversalSpike && cause.broad)
+    return {
+        "the error behind a reversal reaches over 45 degrees: friction that builds up slowly, a soft loop, or an axis that sticks and slips all along",
+        "look at the error over time first: a sawtooth is stick-slip (lubrication, stiffness of the drive, speed of the feed); else identify the friction of this axis (stribeck identify)",
+        false};
   // Of two tops the first one tells what the axis does, the second what its loop makes of that.
   if (cause.kind == CauseKind::kReversalSpike && cause.before > 0.0)
     return {
