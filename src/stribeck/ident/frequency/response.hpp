@@ -33,9 +33,10 @@ using Complex = std::complex<double>;
 inline constexpr double kUnsure = 0.5;
 
 struct Line {
-  double omega = 0.0;             ///< [rad/s]
-  Complex plant{};                ///< G [m/N]
-  double half_width = 0.0;        ///< 95 % of |ΔG|/|G| in any direction of the plane
+  double omega = 0.0;  ///< [rad/s]
+  Complex plant{};     ///< G [m/N]
+  double half_width =
+      0.0;  ///< 95 % of |ΔG|/|G| in any direction of the plane; at least 1 where z moves nothing beyond chance
   Complex plain{};                ///< S_xf/S_ff, biased in a closed loop [m/N]
   double force_coherence = 0.0;   ///< of f with z, 0 … 1
   double motion_coherence = 0.0;  ///< of x with z

@@ -63,6 +63,23 @@ TEST(Response, AnAntiresonanceInsideTheLinesTellsTwoMasses) {
   EXPECT_NEAR(fit.antiresonance->value, p.antiresonance(), 0.02 * p.antiresonance());
 }
 
+// A coarse encoder and a soft loop: at high frequency both signals are the noise of the encoder through the controller, whose inverse was
+// taken for a determined plant, and left a loop of 75 degrees a phase margin of 1.
+TEST(Response, TheNoiseOfTheEncoderThroughTheControllerIsNoPlant) {
+  TwoMass p;
+  p.drive = 10.0, p.table = 0.0, p.friction = 31.0, p.noise = 1.0, p.encoder = 10e-6, p.omega = 25.0,
+  p.fed = 0.0;
+  const Response response = estimate({recorded(p, short_multisine(p.period, 4, 400.0), 1)});
+  int noise = 0;
+  for (const Line& line : response.lines) {
+    const double plant = 1.0 / (p.mass() * line.omega * line.omega);
+    if (std::abs(line.plant) < 3.0 * plant) continue;
+    ++noise;
+    EXPECT_FALSE(line.determined()) << line.omega / (2.0 * kPi);
+  }
+  EXPECT_GT(noise, 5);
+}
+
 // A pure delay in its place made masses 2 to 8 % too large, with intervals of 0.4 %.
 TEST(Response, ACurrentLoopOfFirstOrderIsNoMass) {
   const std::vector<double> r = short_multisine(1e-3, 2);

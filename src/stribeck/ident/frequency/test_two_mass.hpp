@@ -24,6 +24,7 @@ struct TwoMass {
   double encoder = 1e-8;     ///< step [m]
   double period = 1e-3;      ///< [s]
   double omega = 40.0;       ///< of the loop [rad/s]
+  double fed = 1.0;          ///< share of the acceleration that is fed forward
   double holds = 0.0;  ///< holds the axis up to this force; above 0: a stuck axis on a spring of 1e9 N/m
 
   [[nodiscard]] double mass() const { return drive + table; }
@@ -77,7 +78,7 @@ inline log::Record recorded(const TwoMass& p, const std::vector<double>& r, std:
     const double after = r[std::min(k + 1, r.size() - 1)];
     const double error = x - r[k];
     const double force =
-        p.mass() * ((after - 2.0 * r[k] + before) / (p.period * p.period) -
+        p.mass() * (p.fed * (after - 2.0 * r[k] + before) / (p.period * p.period) -
                     2.0 * p.omega * (error - error_before) / p.period - p.omega * p.omega * error);
     error_before = error;
     out.t.push_back(static_cast<double>(k) * p.period);
