@@ -145,7 +145,7 @@ Form write_c(const Axis& axis) {
   form.to_do +=
       place_of_force(axis, "the force of the position loop") +
       ". Check its sign first: at a constant positive velocity it must push in the positive direction." +
-      words_of_drive_loop(axis);
+      words_of_end(axis, tables) + words_of_drive_loop(axis);
   return form;
 }
 

@@ -158,25 +158,25 @@ Form keba(const Axis& axis) {
 }
 
 Form mitsubishi(const Axis& axis) {
-  // The standard setting is twice the friction torque; the step at the reversal is from −F to F.
+  // The standard setting is twice the friction torque: the step at the reversal is from −F to F, and of unlike directions it is the sum of
+  // both, at either reversal.
   constexpr double kMost = 100.0;  // half of the 200 that the manual permits
-  Levels l = levels_of(axis, 0.5, false);
-  const double wanted = std::max(l.positive, l.negative);
-  l.positive = std::min(l.positive, kMost);
-  l.negative = std::min(l.negative, kMost);
-  // −1 is a direction without compensation; SV041 = 0 would mean the value of SV016.
-  const auto number = [](double level) { return level == 0.0 ? -1.0 : 2.0 * level; };
+  const Levels unlike = levels_of(axis, 0.01, false);
+  const double wanted = 0.5 * std::round(unlike.positive + unlike.negative);
+  const double level = std::min(wanted, kMost);
   Form form;
-  form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = {:.0f}\n", number(l.positive),
-                          l.positive == l.negative ? 0.0 : number(l.negative));
-  form.held = [l, unit = axis.gain](double v) {
-    return signed_force(unit * (v < 0.0 ? l.negative : l.positive), v);
-  };
+  form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = 0\n", 2.0 * level);  // 0: as SV016
+  form.held = [level, unit = axis.gain](double v) { return signed_force(unit * level, v); };
   form.to_do = fmt::format(
       "Servo parameters, lost-motion compensation type 2; SV016 counts {} of the stall current, twice the friction that does not grow with "
       "the speed. Check first with "
       "half the value on the circle: too much cuts into the contour.",
       axis.unit);
+  if (std::abs(unlike.positive - unlike.negative) > 0.5)
+    form.to_do += fmt::format(
+        " Friction of axis {} is {:.3g} forward and {:.3g} backward: the step at either reversal is their sum, and half of their "
+        "difference is an unbalance torque, which has a parameter of its own.",
+        axis.name, unlike.positive, unlike.negative);
   if (wanted > kMost)
     form.to_do += fmt::format(
         " Axis {} would need {:.0f}, and the parameter takes at most 200, which is written: check --gain.",

@@ -124,7 +124,7 @@ TEST(Ax8000, SaysThatTheFactorIsThatOfOneMotor) {
               AllOf(HasSubstr("each of the 2 motors"), HasSubstr("The factor is that of one motor too")));
 }
 
-// The manual has 0 to 200, and −1 for a direction that is not compensated.
+// The manual has 0 to 200; SV041 = 0 is the value of SV016.
 TEST(Mitsubishi, NumbersAreThoseThatTheManualPermits) {
   const auto axis = [](const std::string& forward, const std::string& backward) {
     return "mass = \"800 kg\"\n[friction.steady]\nkind = \"gaussian\"\nvelocity_range = [\"-100 mm/s\", \"100 mm/s\"]\n"
@@ -137,8 +137,14 @@ TEST(Mitsubishi, NumbersAreThoseThatTheManualPermits) {
     x.request.gain = "1 N/%";
     return x.text("mitsubishi");
   };
-  EXPECT_THAT(text(axis("30", "0.001")), HasSubstr("SV016 = 60\nSV041 = -1\n"));
-  EXPECT_THAT(text(axis("0.001", "30")), HasSubstr("SV016 = -1\nSV041 = 60\n"));
+  EXPECT_THAT(text(axis("30", "30")), HasSubstr("SV016 = 60\nSV041 = 0\n"));
+  EXPECT_THAT(text(axis("0.001", "30")), HasSubstr("SV016 = 30\nSV041 = 0\n"));
+  // At either reversal the force changes by the friction of both directions.
+  EXPECT_THAT(text(axis("10", "30")), HasSubstr("SV016 = 40\nSV041 = 0\n"));
+  SteadyExport unlike(axis("10", "30"));
+  unlike.request.gain = "1 N/%";
+  EXPECT_THAT(unlike.to("mitsubishi").text,
+              HasSubstr("is 10 forward and 30 backward: the step at either reversal is their sum"));
   SteadyExport strong(axis("130", "130"));
   strong.request.gain = "1 N/%";
   EXPECT_THAT(strong.text("mitsubishi"), HasSubstr("SV016 = 200\nSV041 = 0\n"));

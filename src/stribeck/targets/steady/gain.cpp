@@ -6,8 +6,10 @@
 #include <limits>
 #include <tuple>
 
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/gain.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -40,6 +42,11 @@ std::vector<std::pair<std::string, std::string>> entries_of(const std::string& t
     at = end + 1;
   }
   return out;
+}
+
+bool is_torque(std::string_view force) {
+  static const Quantity kTorque = quantity("N m", "N m");
+  return io::is_convertible(force, kTorque);
 }
 
 /// The unit behind the last slash, without blanks.
@@ -84,7 +91,15 @@ std::string word_of_common_gain(const ExportRequest& o) {
                      common(o.gain) ? "--gain \"x=12 N/%,y=20 N/%\"" : "--lead \"x=10 mm,y=5 mm\"");
 }
 
-std::pair<double, std::string> gain_of(const ExportRequest& o, const std::string& axis, bool rotary) {
+bool gives_torque(const ExportRequest& o) {
+  const auto entries = entries_of(o.gain);
+  return std::any_of(entries.begin(), entries.end(), [](const auto& entry) {
+    return is_torque(entry.second.substr(0, entry.second.rfind('/')));
+  });
+}
+
+std::pair<double, std::string> gain_of(const ExportRequest& o, const std::string& axis, bool rotary,
+                                       double lead) {
   if (o.gain.empty()) return {std::numeric_limits<double>::quiet_NaN(), {}};
   const std::string text = text_of_axis("--gain", o.gain, axis);
   const std::size_t slash = text.rfind('/');
@@ -101,10 +116,17 @@ std::pair<double, std::string> gain_of(const ExportRequest& o, const std::string
     refuse_option("--gain",
                   fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
   const std::string force = text.substr(0, slash);
-  // The force of an axis that turns is a torque.
-  const bool torque = rotary && force.find('m') != std::string::npos;
-  return {option_si("--gain", force, (torque ? quantity("N m", "N m") : quantity("N", "N")).positive()),
-          unit};
+  if (!is_torque(force)) return {option_si("--gain", force, quantity("N", "N").positive()), unit};
+  const double torque = option_si("--gain", force, quantity("N m", "N m").positive());
+  if (rotary) return {torque, unit};
+  if (!(lead > 0.0))
+    refuse_option(
+        "--gain",
+        fmt::format(
+            "got {}, a torque of the motor, expected the force of axis {}, e.g. \"12.5 N/%\" (or give "
+            "--lead, its travel per turn of the motor, too: the force is 2π times the torque over it)",
+            io::in_quotes(text), axis));
+  return {2.0 * kPi * torque / lead, unit};
 }
 
 namespace {

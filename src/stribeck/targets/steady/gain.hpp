@@ -17,8 +17,12 @@ std::string text_of_axis(const char* option, const std::string& text, const std:
 /// A sentence where several axes were given the same gain or lead, which those of different drives are not; else nothing.
 std::string word_of_common_gain(const ExportRequest& request);
 
-/// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque.
-std::pair<double, std::string> gain_of(const ExportRequest& request, const std::string& axis, bool rotary);
+/// "12.5 N/%" → 12.5 N and "%"; NaN and an empty unit where it was not given. The force of an axis that turns may be a torque; a torque
+/// of the motor of another axis becomes a force by its `lead` [m], NaN: not given, which is refused.
+std::pair<double, std::string> gain_of(const ExportRequest& request, const std::string& axis, bool rotary,
+                                       double lead);
+/// Whether --gain gives a torque, so that --lead has an effect.
+bool gives_torque(const ExportRequest& request);
 
 /// Fills gain and lead that the target needs and the command does not give from the drive in the axis file: per cent of the rated torque
 /// where it is known, else amperes. Returns a sentence that says it; empty: nothing was taken.

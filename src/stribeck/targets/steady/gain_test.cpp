@@ -44,6 +44,19 @@ TEST(Gain, ANumberOfTheMotorIsThatOfOneMotor) {
   EXPECT_NEAR(factor(two), 0.5 * factor(one), 1e-6);
 }
 
+// Data sheets of motors give torques.
+TEST(Gain, ATorqueOfTheMotorNeedsTheLead) {
+  SteadyExport force, torque;
+  force.request.gain = "12.566370614359172 N/%";
+  torque.request.gain = "0.02 N m/%";
+  EXPECT_THAT(torque.refusal("mitsubishi"), HasSubstr("a torque of the motor, expected the force of axis x"));
+  torque.request.lead = "10 mm";
+  EXPECT_EQ(torque.text("mitsubishi").substr(torque.text("mitsubishi").find("SV027")),
+            force.text("mitsubishi").substr(force.text("mitsubishi").find("SV027")));
+  force.request.lead = "10 mm";
+  EXPECT_THAT(force.refusal("mitsubishi"), HasSubstr("--lead: does not apply to --to mitsubishi"));
+}
+
 TEST(Gain, TheOptionGoesBeforeTheAxisFile) {
   SteadyExport x = with_drive();
   x.request.gain = "20 N/%";

@@ -109,10 +109,10 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.control_period = file.control_period;
   if (file.uncertainty) a.told_from = file.uncertainty->told_from;
   if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
-  std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary);
   a.lead = o.lead.empty() ? kUnknown
                           : travel_si("--lead", text_of_axis("--lead", o.lead, name),
                                       quantity("m", "mm").positive().at_most(100.0), a.rotary);
+  std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary, a.lead);
   const auto of_file = a.drive ? a.drive->encoder_resolution : std::nullopt;
   a.resolution = o.resolution.empty() ? of_file.value_or(kUnknown)
                                       : travel_si("--resolution", o.resolution,
@@ -159,9 +159,11 @@ Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& 
 void refuse_without_effect(const SteadyTarget& t, const ExportRequest& o) {
   if (!o.gain.empty() && !t.needs_gain() && !t.takes_gain)
     refuse_option("--gain", fmt::format("does not apply to --to {}: its numbers are in SI units", t.name));
-  if (!o.lead.empty() && !t.needs_lead() && !t.takes_lead)
-    refuse_option("--lead",
-                  fmt::format("does not apply to --to {}: it moves the axis, not the motor", t.name));
+  if (!o.lead.empty() && !t.needs_lead() && !t.takes_lead && !gives_torque(o))
+    refuse_option(
+        "--lead",
+        fmt::format("does not apply to --to {}: its numbers are those of the axis, not of the motor",
+                    t.name));
 }
 
 void check_needs(const SteadyTarget& t, const ExportRequest& o) {

@@ -178,7 +178,7 @@ Form write_structured_text(const Axis& axis) {
       "Declare an instance of NAME_force, call it once in every cycle with the commanded motion, and add its output force to " +
       place_of_force(axis, "the force of the axis") +
       ". Check its sign first: at a constant positive velocity it must push in the positive direction." +
-      words_of_drive_loop(axis);
+      words_of_end(axis, tables) + words_of_drive_loop(axis);
   return form;
 }
 
@@ -200,7 +200,8 @@ Form write_per_mille(const Axis& axis) {
   form.to_do =
       "Map object 60B2h (torque offset) into the cyclic data; declare an instance of NAME_force, call it once in every cycle with the commanded "
       "motion, and write its output force, in per mille of the rated torque, to the object. Check first that the drive counts 60B2h in per mille "
-      "(object 6076h is the rated torque) and that a positive value pushes in the positive direction.";
+      "(object 6076h is the rated torque) and that a positive value pushes in the positive direction." +
+      words_of_end(axis, tables);
   if (const auto& loop = axis.model.drive_loop; loop && !loop->force_offset)
     form.to_do +=
         " The axis file says that the drive takes no force offset (drive_loop.force_offset): check that it has the object.";

@@ -156,7 +156,7 @@ TEST(StructuredText, OneBristleIsThatOfTheModel) {
 // Friction of 40 N forward and 120 N backward: the force of a reversal stays, and comes to that of the other direction over the travel.
 TEST(StructuredText, TheForceStaysAtAReversalToAnotherLevel) {
   const std::string level =
-      "mass = \"100 kg\"\nload = \"5 N\"\n[friction.steady]\nkind = \"gaussian\"\n"
+      "mass = \"100 kg\"\nload = \"5 N\"\n[friction.steady]\nkind = \"gaussian\"\nvelocity_range = [\"-100 mm/s\", \"100 mm/s\"]\n"
       "positive = { eta0 = \"40 N\", eta1 = \"0 N s/mm\" }\nnegative = { eta0 = \"-120 N\", eta1 = \"0 N s/mm\" }\n";
   const std::vector<Sample> motion = sine(4000);
   const auto expect = [&](const std::string& dynamics, const std::function<double(double, double)>& law) {

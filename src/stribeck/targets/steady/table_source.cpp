@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/targets/steady/table_source.hpp>
 
 namespace stribeck::targets {
@@ -29,6 +31,13 @@ SourceTables::SourceTables(const Axis& axis)
 
 double SourceTables::at(double v) const noexcept {
   return signed_force(interpolated(v < 0.0 ? negative : positive, std::abs(v)), v);
+}
+
+std::string words_of_end(const Axis& axis, const SourceTables& tables) {
+  return fmt::format(" Its tables of axis {} end at {}; beyond, the friction stays as it is there.",
+                     axis.name,
+                     ident::Shown("m", "N", axis.rotary)
+                         .speed(std::max(tables.positive.back().x, tables.negative.back().x)));
 }
 
 std::string speeds_of(const std::vector<Corner>& points) { return numbers(points, &Corner::x); }

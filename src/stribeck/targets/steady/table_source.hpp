@@ -21,6 +21,9 @@ struct SourceTables {
   [[nodiscard]] double at(double v) const noexcept;
 };
 
+/// A sentence, begun with a space: what the code does where its tables end.
+std::string words_of_end(const Axis& axis, const SourceTables& tables);
+
 /// "0.001, 0.002, …": speeds or forces of a table.
 std::string speeds_of(const std::vector<Corner>& points);
 std::string forces_of(const std::vector<Corner>& points);
