@@ -380,4 +380,23 @@ std::vector<std::string> check_coverage(sim::CompareResult& result, const std::v
   return all;
 }
 
+std::vector<std::string> coverage_of(const sim::Machine& machine, const sim::CompareSpec& spec,
+                                     const Parameters& parameters) {
+  Parameters no_words = parameters;
+  no_words.assumed.clear();
+  std::vector<std::string> all;
+  for (const sim::Travel& travel : spec.travels) {
+    sim::CompareSpec one = spec;
+    one.travels = {travel};
+    try {
+      sim::CompareResult run = sim::run_once(machine, parameters.knowledge, one, 0);
+      for (std::string& warning : check_coverage(run, sim::chosen_axes(machine, spec), no_words))
+        if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(std::move(warning));
+    } catch (const sim::Refused&) {
+      // The work itself says which of its runs mean nothing.
+    }
+  }
+  return all;
+}
+
 }  // namespace stribeck::workflow

@@ -44,6 +44,10 @@ std::vector<std::string> uncounted_delays(const sim::Machine& machine, const sim
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters);
 
+/// The warnings of check_coverage() beyond `assumed`, from one run of the first controller on each travel: for work that keeps no traces.
+std::vector<std::string> coverage_of(const sim::Machine& machine, const sim::CompareSpec& spec,
+                                     const Parameters& parameters);
+
 /// What to say of an axis on which a controller goes without its Kalman observer (sim::calm()).
 std::string without_kalman_observer(const std::string& axis, double delay_periods,
                                     const std::string& controller);

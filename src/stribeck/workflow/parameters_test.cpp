@@ -199,5 +199,29 @@ TEST(Parameters, AFileSaysFromWhichSpeedItsLogsTellTheFriction) {
           "48 % of its motion is slower than 2.5 mm/s, where the logs behind x.toml do not tell the friction")));
 }
 
+// tune and study keep no traces: one run of each travel tells the same.
+TEST(Parameters, WorkWithoutTracesSaysTheSame) {
+  const std::string machine_file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  const sim::Machine machine = read_virtual_machine(machine_file);
+  sim::CompareSpec spec;
+  spec.axes = {0, 1};
+  spec.travels.resize(1);
+  spec.travels[0].path = path::Curve{path::Shape::kCircle, 10e-3};
+  spec.travels[0].speed = 3e-3;
+  spec.travels[0].laps = 0.3;
+  spec.controllers = sim::biaxial_controllers();
+  spec.controllers.resize(1);
+  ParameterOptions options;
+  options.source = "thesis";
+  Parameters parameters = get_parameters(machine, machine_file, options, spec);
+  parameters.files = {"x.toml", ""};
+  EXPECT_THAT(coverage_of(machine, spec, parameters), testing::IsEmpty());
+  parameters.told_from = {1.0, 0.0};
+  parameters.assumed = {"said already"};
+  EXPECT_THAT(coverage_of(machine, spec, parameters),
+              testing::Each(testing::HasSubstr("where the logs behind x.toml do not tell the friction")));
+  EXPECT_THAT(coverage_of(machine, spec, parameters), testing::SizeIs(spec.travels.size()));
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::parameters_test

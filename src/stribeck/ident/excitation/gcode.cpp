@@ -67,6 +67,11 @@ std::string head_of(const Excitation& e, const Dialect& d, const std::string& ma
     out += d.comment("G49 switches the tool length off, also for what comes after this program");
   return out +
          d.comment("the control adds its own ramps: feed override 100 %, nothing else moving, no cutting") +
+         (e.method == ExcitationMethod::kMultisine
+              ? d.comment(fmt::format(
+                    "moves of {:.0f} ms: lines above {:.0f} Hz are weaker, those above {:.0f} Hz missing; for these give the table to the control",
+                    1e3 * kGcodeStep, 0.25 / kGcodeStep, 0.5 / kGcodeStep))
+              : std::string()) +
          // G71 would leave the feed in the unit of the machine's basic system; G710 is for lengths and feed.
          (d.sinumerik ? "G500 D0\nG710 G90 G94 G64\n" : "G49\nG21 G90 G94 G64\n");
 }

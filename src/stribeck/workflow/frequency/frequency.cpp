@@ -165,6 +165,11 @@ void doubt_present(const MachineDescription& machine, const LogsOfAxis& logs, re
                                  1e3 * a.response.sample_time, machine.name, 1e3 * machine.sample_time));
   }
   for (const auto& [name, axis] : machine.axes) {
+    if (name == logs.axis && axis.drive_loop)
+      doubts.push_back(fmt::format(
+          "the drive of axis {} closes a {} loop of its own (drive_loop): the plant is that between its force and the position, and the gains that are "
+          "proposed are those of a control that commands the force, not of this one",
+          name, enum_name(axis.drive_loop->mode)));
     if (name != logs.axis || !a.units.physical()) continue;
     if (std::string wrong = mass_contradiction(axis, a.fit.mass.low(), a.fit.mass.high()); !wrong.empty())
       doubts.push_back(std::move(wrong));

@@ -108,6 +108,8 @@ enum class OfAxis { kNone, kLinear, kRotary, kBoth };
 OfAxis axis_of(const Asked& asked, const std::string& value) {
   const bool linear = problem_of(asked, value, false).empty();
   const bool rotary = problem_of(asked, value, true).empty();
+  // Only an axis that turns has one, and its arm is a length.
+  if (asked.key == "unbalance" && (linear || rotary)) return OfAxis::kRotary;
   return linear ? (rotary ? OfAxis::kBoth : OfAxis::kLinear) : rotary ? OfAxis::kRotary : OfAxis::kNone;
 }
 

@@ -62,6 +62,14 @@ TEST(MachineDraft, TakesOneOfTorqueAndForceAndOneTravelPerTurn) {
   EXPECT_EQ(refusal(draft, "--set", "x.drive.peak_torque", "35 N m"), "");
 }
 
+// The arm of an unbalance is a length, and the axis turns all the same.
+TEST(MachineDraft, TakesAnUnbalanceByMassAndDistance) {
+  const MachineDraft draft{"m", "1 ms", {"a"}, {{"a.limits.speed", "90 deg/s"}}};
+  EXPECT_EQ(
+      refusal(draft, "--set", "a.commissioning.unbalance", "{ mass = \"40 kg\", distance = \"110 mm\" }"),
+      "");
+}
+
 // On a terminal the key stands in place of the option; it stood there twice.
 TEST(MachineDraft, NamesTheKeyOnceAndNoQuotes) {
   const MachineDraft draft{"m", "1 ms", {"x"}, {{"x.limits.travel_max", "100 mm"}}};

@@ -254,6 +254,39 @@ sim::ControllerSpec chosen_controller(const std::vector<sim::ControllerSpec>& kn
   return read_controller(name);
 }
 
+namespace {
+
+/// Middle of the range of one axis [m].
+template <class Path>
+double centre_of(const Path& path, std::size_t axis) {
+  constexpr int kPoints = 720;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (int k = 0; k < kPoints; ++k) {
+    const double q = path::derivatives<2>(path, path.period() * k / kPoints)[0][axis];
+    low = std::min(low, q), high = std::max(high, q);
+  }
+  // A circle about 0 has its middle at some 1e-19.
+  const double centre = 0.5 * (low + high);
+  return std::abs(centre) < 1e-9 * (high - low) ? 0.0 : centre;
+}
+
+/// A path leaves the travel of an axis at a position; `centre` is that of the path [m].
+[[noreturn]] void refuse_size(const std::string& axis, const sim::AxisLimits& limits, double at,
+                              double centre) {
+  refuse_option(
+      "--size",
+      fmt::format(
+          "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm, at {:.6g} mm ({})", axis,
+          limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * at,
+          centre > limits.travel_min && centre < limits.travel_max
+              ? std::string("choose a smaller size")
+              : fmt::format(
+                    "this shape is centred at position {:.6g} mm, outside the travel: give it as --path POINTS.csv inside the travel",
+                    1e3 * centre)));
+}
+
+}  // namespace
+
 double make_accuracy(const PathOptions& o) {
   return option_si("--accuracy", o.accuracy, quantity("m", "nm").at_least(1e-12));
 }
@@ -297,16 +330,8 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
             double hardest = 0.0;
             for (int k = 0; k < kPoints; ++k) {
               const auto q = path::derivatives<2>(path, path.period() * k / kPoints);
-              if (q[0][i] < limits.travel_min || q[0][i] > limits.travel_max) {
-                refuse_option(
-                    "--size",
-                    fmt::format(
-                        "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm, at {:.6g} mm ({})", name,
-                        limits.travel_min * 1e3, limits.travel_max * 1e3, 1e3 * q[0][i],
-                        is_circle(travel) || (limits.travel_min < 0.0 && limits.travel_max > 0.0)
-                            ? "choose a smaller size"
-                            : "this shape is centred at position 0, outside the travel: give it as --path POINTS.csv inside the travel"));
-              }
+              if (q[0][i] < limits.travel_min || q[0][i] > limits.travel_max)
+                refuse_size(name, limits, q[0][i], centre_of(path, i));
               const double square = dot(q[1], q[1]);
               if (travel.pace == path::Pace::kRate) {
                 fastest = std::max(fastest, travel.speed * std::abs(q[1][i]));

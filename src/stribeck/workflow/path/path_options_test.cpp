@@ -93,6 +93,11 @@ TEST(PathOptions, ACircleIsLaidIntoTheTravel) {
   use_path(spec, path, {5e-3}, machine, "m.toml");
   EXPECT_THAT([&] { check_travel(machine, "m.toml", spec); },
               ThrowsMessage<io::InputError>(HasSubstr("this shape is centred at position 0")));
+  // On a travel that begins at 0 and holds the centre, the size is the cause.
+  machine.axes[1].second.limits.travel_min = -1e-3;
+  machine.axes[1].second.limits.travel_max = 0.42;
+  EXPECT_THAT([&] { check_travel(machine, "m.toml", spec); },
+              ThrowsMessage<io::InputError>(HasSubstr("(choose a smaller size)")));
 }
 
 // A machine of one's own had its circle alone; --experiment bi-table, with the gains of another machine, was the way to other shapes.

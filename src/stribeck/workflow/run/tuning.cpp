@@ -47,6 +47,8 @@ void run_tuning(Tuning& t, const std::function<void(std::size_t, std::size_t)>& 
     t.parameters.assumed.push_back(std::move(warning));
   for (std::string& warning : uncounted_delays(t.machine, t.spec.compare))
     t.parameters.assumed.push_back(std::move(warning));
+  for (std::string& warning : coverage_of(t.machine, t.spec.compare, t.parameters))
+    t.parameters.assumed.push_back(std::move(warning));
   const std::vector<double> shares{0.5, 0.7, 1.0, 1.4, 2.0};
   const std::size_t searches = 1 + (t.wants_trade_off ? shares.size() : 0);
   t.result = sim::tune(t.machine, t.parameters.knowledge, t.spec, [&](std::size_t done, std::size_t all) {

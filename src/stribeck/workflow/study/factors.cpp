@@ -148,19 +148,26 @@ std::string number_words(double si, const Quantity& q) {
   return q.unit.empty() ? io::number_text(si) : io::from_si(si, q);
 }
 
+/// The quantity of a key on an axis that turns: an angle for a length.
+Quantity of_axis(const Quantity& linear, bool rotary, std::string_view text = "") {
+  return rotary ? io::rotary_quantity(linear, text).value_or(linear) : linear;
+}
+
 // ---- distributions of a file in SI
 
 /// Texts become numbers of this quantity.
 class InSi {
  public:
-  explicit InSi(const Quantity& quantity) : quantity_(quantity) {
+  InSi(const Quantity& quantity, bool rotary) : quantity_(quantity), rotary_(rotary) {
     // Ranges are checked for the whole distribution, in whose message the key stands.
     quantity_.min = -std::numeric_limits<double>::infinity();
     quantity_.max = std::numeric_limits<double>::infinity();
     quantity_.min_excluded = false;
   }
   [[nodiscard]] double operator()(double x) const { return x; }
-  [[nodiscard]] double operator()(const std::string& text) const { return io::to_si(text, quantity_); }
+  [[nodiscard]] double operator()(const std::string& text) const {
+    return io::to_si(text, of_axis(quantity_, rotary_, text));
+  }
   template <class T>
   [[nodiscard]] std::optional<double> operator()(const std::optional<T>& x) const {
     return x ? std::optional<double>((*this)(*x)) : std::nullopt;
@@ -195,6 +202,7 @@ class InSi {
 
  private:
   Quantity quantity_;
+  bool rotary_;
 };
 
 // ---- binding
@@ -228,7 +236,14 @@ class Binder {
       AxisParams plant = nominal_.axes[b.axes.front()].second.plant;
       quantity = number(plant, b.below).quantity;
     }
-    b.distribution = f.scale ? in_si(*f.scale, pure_number()) : in_si(*f.value, quantity);
+    const bool rotary = nominal_.axes[b.axes.front()].second.rotary;
+    for (const std::size_t i : b.axes) {
+      if (nominal_.axes[i].second.rotary != rotary && !b.is_scale && io::rotary_quantity(quantity, ""))
+        fail(
+            "has one unit on the axes that turn and another on the others (give each axis a factor of its own)");
+    }
+    b.distribution = f.scale ? in_si(*f.scale, pure_number(), false) : in_si(*f.value, quantity, rotary);
+    quantity = of_axis(quantity, rotary);
     if (std::string wrong = sim::problem(b.distribution); !wrong.empty())
       fail((f.scale ? "scale." : "value.") + wrong);
     if (!b.is_scale && !quantity.unit.empty()) {
@@ -266,8 +281,8 @@ class Binder {
   }
 
   template <class T>
-  static sim::Distribution in_si(const sim::AnyDistribution<T>& d, const Quantity& quantity) {
-    return std::visit([&](const auto& one) { return InSi(quantity).of(one); }, d);
+  static sim::Distribution in_si(const sim::AnyDistribution<T>& d, const Quantity& quantity, bool rotary) {
+    return std::visit([&](const auto& one) { return InSi(quantity, rotary).of(one); }, d);
   }
 
   /// Everything that is drawn must be permitted for the key, on each axis.
@@ -279,6 +294,7 @@ class Binder {
     }
     AxisParams plant = nominal_.axes[axis].second.plant;
     const Place place = number(plant, b.below);
+    const Quantity shown = of_axis(place.quantity, nominal_.axes[axis].second.rotary);
     const double nominal = Value(place.target).number();
     const bool count = place.target.kind() == Kind::kCount;
     if (b.is_scale && count)
@@ -289,8 +305,8 @@ class Binder {
       const double x = b.is_scale ? end * nominal : end;
       if (place.quantity.permits(x)) continue;
       fail(fmt::format("{} reaches {} on axis {}, expected {}{}", b.is_scale ? "scale" : "value",
-                       number_words(x, place.quantity), nominal_.axes[axis].first,
-                       io::range_text(place.quantity), end == low ? " (set its low)" : " (set its high)"));
+                       number_words(x, shown), nominal_.axes[axis].first, io::range_text(shown),
+                       end == low ? " (set its low)" : " (set its high)"));
     }
     if (!count) return;
     const std::uint64_t n = sim::number_of_values(b.distribution);

@@ -41,6 +41,23 @@ friction::SteadyParts<double> friction_at(const plant::AxisParams& p, double v) 
   return p.friction.parts(v, 0.0);
 }
 
+// The machine file of a trunnion has kg m2 and deg/s; a study of it took kg and mm/s alone.
+TEST(StudyFactors, AnAxisThatTurnsHasItsUnits) {
+  sim::Machine machine = table();
+  machine.axes[0].second.rotary = true;
+  const auto list = [](const char* value) {
+    return factor("x.mass", std::string("value = { kind = \"list\", values = [\"") + value + "\"] }");
+  };
+  const BoundFactor mass = bound(list("9 kg m2"), machine).front();
+  EXPECT_DOUBLE_EQ(sim::value_number(mass.distribution, 0), 9.0);
+  EXPECT_EQ(mass.head(), "x.mass [kg m2]");
+  EXPECT_THAT(refused(list("9 kg"), machine), HasSubstr("expected a unit like kg m2"));
+  EXPECT_THAT(refused(list("-9 kg m2"), machine),
+              HasSubstr("value reaches -9 kg m2 on axis x, expected above 0 kg m2"));
+  EXPECT_THAT(refused(factor("*.mass", "value = { kind = \"list\", values = [\"9 kg m2\"] }"), machine),
+              HasSubstr("has one unit on the axes that turn and another on the others"));
+}
+
 TEST(StudyFactors, FrictionAndItsParts) {
   const sim::Machine nominal = table();
   for (const double v : {2e-3, -7e-3}) {

@@ -293,7 +293,12 @@ class Task {
   }
   [[nodiscard]] report::StudyResult result(ResultsFile& file) const {
     file.keep();
-    return sum_up(study_, runner_, file).result(runner_.nominal(), parameters_);
+    report::StudyResult result = sum_up(study_, runner_, file).result(runner_.nominal(), parameters_);
+    std::vector<std::string> first = parameters_.assumed;
+    for (std::string& warning : coverage_of(study_.machine, study_.spec, parameters_))
+      first.push_back(std::move(warning));
+    result.warnings.insert(result.warnings.begin(), first.begin(), first.end());
+    return result;
   }
 
  private:
