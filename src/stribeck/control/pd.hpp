@@ -13,8 +13,10 @@
 /// Source: thesis (2.25), (2.30).
 /// Real time: safe; the constructor configure only.
 
+#include <cmath>
 #include <limits>
 #include <stribeck/control/gains.hpp>
+#include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/control/setup.hpp>
 
 namespace stribeck::control {
@@ -35,6 +37,10 @@ class Pd {
     double measured = 0.0;      ///< encoder [m]
   };
 
+  /// Why no loop works with these parameters, a text of the program; null: nothing is wrong with them. step() does not check:
+  /// with a mass below zero or gains beyond the period it pushes with all its force. `period` [s].
+  [[nodiscard]] static const char* problem(const Params& params, double period) noexcept;
+
   Pd(const Params& params, double period) noexcept
       : gains_(params.gains),
         common_(
@@ -54,5 +60,23 @@ class Pd {
   Gains gains_;
   Common<1> common_;
 };
+
+inline const char* Pd::problem(const Params& params, double period) noexcept {
+  const friction::AxisModel& model = params.compensation.model;
+  if (!(period > 0.0 && std::isfinite(period))) return "period: expected above 0 s";
+  if (!(model.mass > 0.0 && std::isfinite(model.mass))) return "mass: expected above 0 kg";
+  if (!std::isfinite(model.load)) return "load: expected a number of newtons";
+  if (!(params.force_limit > 0.0)) return "force_limit: expected above 0 N";
+  if (!(params.gains.kp > 0.0 && params.gains.kv > 0.0)) return "gains: expected kp and kv above 0";
+  if (!sampled_loop_stable(params.gains.kp, params.gains.kv, 0.0, period))
+    return "gains: the loop is unstable at this period, expected slower ones";
+  for (const double v : {-1.0, -1e-3, 1e-3, 1.0}) {
+    const auto friction = model.friction.parts(v, 0.0);
+    if (!(friction.level >= 0.0 && friction.viscous * v >= 0.0 &&
+          std::isfinite(friction.level + friction.viscous)))
+      return "friction: expected forces against the motion, at 1 mm/s and at 1 m/s in both directions";
+  }
+  return nullptr;
+}
 
 }  // namespace stribeck::control

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stribeck/control/pd.hpp>
 #include <stribeck/control/test_mass.hpp>
+#include <string>
 
 namespace stribeck::control::pd_test {
 namespace {
@@ -15,6 +17,30 @@ Pd::Params pd(double omega) {
   p.gains = Gains::critical(omega);
   p.compensation.model.mass = kMass;
   return p;
+}
+
+// With a mass of -800 kg a loop pushed with 2 MN.
+TEST(Pd, SaysWithWhichParametersNoLoopWorks) {
+  const auto with = [](auto&& change, double period = kPeriod) {
+    Pd::Params p = pd(20.0);
+    p.compensation.model.friction.steady = friction::Conventional<double>{15.0, 3e3, {}};
+    change(p);
+    const char* wrong = Pd::problem(p, period);
+    return std::string(wrong == nullptr ? "nothing" : wrong).substr(0, 8);
+  };
+  const auto nothing = [](Pd::Params&) {};
+  EXPECT_EQ(with(nothing), "nothing");
+  EXPECT_EQ(with(nothing, 0.0), "period: ");
+  EXPECT_EQ(with([](Pd::Params& p) { p.compensation.model.mass = -800.0; }), "mass: ex");
+  EXPECT_EQ(with([](Pd::Params& p) { p.compensation.model.mass = NAN; }), "mass: ex");
+  EXPECT_EQ(with([](Pd::Params& p) { p.compensation.model.load = NAN; }), "load: ex");
+  EXPECT_EQ(with([](Pd::Params& p) { p.force_limit = -250.0; }), "force_li");
+  EXPECT_EQ(with([](Pd::Params& p) { p.gains = Gains::critical(6000.0); }), "gains: t");
+  EXPECT_EQ(with([](Pd::Params& p) { p.gains.kv = 0.0; }), "gains: e");
+  for (const friction::Conventional<double> wrong :
+       {friction::Conventional<double>{-15.0, 0.0, {}}, friction::Conventional<double>{15.0, -3e3, {}},
+        friction::Conventional<double>{NAN, 3e3, {}}})
+    EXPECT_EQ(with([&](Pd::Params& p) { p.compensation.model.friction.steady = wrong; }), "friction");
 }
 
 TEST(Pd, ErrorDiesOutAsItsDoublePoleSays) {
