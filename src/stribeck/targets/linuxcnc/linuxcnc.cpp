@@ -54,8 +54,20 @@ friction::AxisModel model_for(const sim::Machine& machine, std::size_t i, const 
   return given.model;
 }
 
+/// What the machine file knows of an axis before anything is identified.
+friction::AxisModel rough_model(const workflow::MachineDescription& description, const std::string& axis,
+                                const sim::Commissioning& known) {
+  friction::AxisModel model;
+  model.mass = known.mass;
+  model.friction.steady = friction::Conventional<double>{known.friction, 0.0, {}};
+  for (const auto& [name, a] : description.axes)
+    if (name == axis) model.load = a.commissioning.load_force();
+  return model;
+}
+
 /// Parameters of the controllers of each axis.
-std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Machine& machine) {
+std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Machine& machine,
+                                           const workflow::MachineDescription& description) {
   const std::string& file = o.files.front();
   std::map<std::size_t, friction::AxisModel> given;
   for (const std::string& text : o.axis_files) {
@@ -67,12 +79,10 @@ std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Ma
   std::vector<friction::AxisModel> models(machine.axes.size());
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const sim::Commissioning& known = machine.axes[i].second.commissioning;
     if (const auto found = given.find(i); found != given.end()) {
       models[i] = found->second;
     } else if (o.parameters == "commissioning") {
-      models[i].mass = known.mass;
-      models[i].friction.steady = friction::Conventional<double>{known.friction, 0.0, {}};
+      models[i] = rough_model(description, machine.axes[i].first, machine.axes[i].second.commissioning);
     } else {
       open.push_back(i);
     }
@@ -128,8 +138,8 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
              "the drive's {:.6g} N are too little for friction and load of this axis at any speed with a fifth left for acceleration (raise plant.drive.gain or plant.converter.range)",
              a.force_limit())});
   }
-  const std::vector<friction::AxisModel> models = models_of(o, machine);
   const workflow::MachineDescription description = workflow::read_description(o.files.front());
+  const std::vector<friction::AxisModel> models = models_of(o, machine, description);
   for (std::size_t i = 0; i < letters.size(); ++i) {
     c.axes.push_back({letters[i], &machine.axes[i].second, can[i], models[i]});
     if (!description.axes[i].second.rotary) continue;
