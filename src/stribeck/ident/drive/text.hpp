@@ -1,15 +1,13 @@
 #pragma once
-/// Text with numbers, for the notes of a fit. Inside ident only. Real time: no.
+/// Text with numbers, for the notes of a fit, in the format of printf. Inside ident only. Real time: no.
 
-#include <cstdio>
+#include <fmt/printf.h>
+
 #include <string>
 
 namespace stribeck::ident::drive {
 
-std::string text(const char* format, auto... values) {
-  std::string out(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), ' ');
-  std::snprintf(out.data(), out.size() + 1, format, values...);
-  return out;
-}
+/// Not std::snprintf: it writes a decimal comma where the program has such a locale.
+std::string text(const char* format, auto... values) { return fmt::sprintf(format, values...); }
 
 }  // namespace stribeck::ident::drive

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/gcode/short_arcs.hpp>
 #include <string>
 #include <utility>
@@ -119,7 +120,7 @@ class Follower {
 
   static bool printed_equal(double a, double b) {
     // "-0.0000" and "0.0000" are read as equal.
-    const auto printed = [](double x) { return std::stod(fmt::format("{:.4f}", x)); };
+    const auto printed = [](double x) { return number_in(fmt::format("{:.4f}", x)); };
     return printed(a) == printed(b);
   }
 

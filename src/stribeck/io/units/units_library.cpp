@@ -1,4 +1,5 @@
 // The units library behind io/units.hpp.
+#include <locale.h>
 #include <udunits2.h>
 
 #include <algorithm>
@@ -27,6 +28,23 @@ using Unit = std::unique_ptr<ut_unit, FreeUnit>;
 [[noreturn]] void fail_unit(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
 
 /// The units system. udunits2 keeps state while it parses, so every call locks the mutex.
+/// Numbers have a decimal point in this thread as long as it lives: the units library reads its database and "2.5 mm" in the locale of
+/// the program.
+class PointLocale {
+ public:
+  PointLocale() : before_(uselocale(point())) {}
+  ~PointLocale() { uselocale(before_); }
+  PointLocale(const PointLocale&) = delete;
+  PointLocale& operator=(const PointLocale&) = delete;
+
+ private:
+  static locale_t point() {
+    static const locale_t made = newlocale(LC_ALL_MASK, "C", nullptr);
+    return made;
+  }
+  locale_t before_;
+};
+
 class Units {
  public:
   static Units& instance() {
@@ -36,11 +54,13 @@ class Units {
 
   bool known(std::string_view text) {
     const std::lock_guard lock(mutex_);
+    const PointLocale point;
     return !without_blanks(text).empty() && parse(text) != nullptr;
   }
 
   UnitAnswer find(std::string_view from, std::string_view to) {
     const std::lock_guard lock(mutex_);
+    const PointLocale point;
     auto key = std::pair{std::string(from), std::string(to)};
     if (const auto hit = cache_.find(key); hit != cache_.end()) return hit->second;
     // Texts come from files; the limit keeps a hostile one from filling the memory.
@@ -50,6 +70,7 @@ class Units {
 
  private:
   Units() {
+    const PointLocale point;
     ut_set_error_message_handler(ut_ignore);
     system_ = ut_read_xml(nullptr);
     if (system_ == nullptr) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units/unit_text.hpp>
@@ -225,7 +226,7 @@ class Reader {
     while (n < rest_.size() && (is_figure(rest_[n]) || rest_[n] == '.')) ++n;
     if (n + 1 < rest_.size() && rest_[n] == 'e' && is_figure(rest_[n + 1]))
       n = std::min(rest_.find_first_not_of("0123456789", n + 1), rest_.size());
-    const double number = std::strtod(std::string(rest_.substr(0, n)).c_str(), nullptr);
+    const double number = number_in(rest_.substr(0, n));
     rest_.remove_prefix(n);
     if (!(number > 0.0)) return {};
     return number;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/text.hpp>
 
@@ -60,7 +61,7 @@ using Json = nlohmann::ordered_json;
 double rounded(double px) { return std::round(10.0 * px) / 10.0; }
 
 /// With the digits that a drawing can show.
-double shown(double v) { return v == 0.0 || !std::isfinite(v) ? 0.0 : std::stod(fmt::format("{:.7g}", v)); }
+double shown(double v) { return v == 0.0 || !std::isfinite(v) ? 0.0 : number_in(fmt::format("{:.7g}", v)); }
 
 /// Low, high, and 1 for a logarithmic axis.
 Json axis_facts(const Range& r, bool logarithmic) {

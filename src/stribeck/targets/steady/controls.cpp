@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
@@ -136,7 +137,7 @@ std::vector<Corner> points_at_tenths(const Axis& axis, std::size_t most) {
     const double at = std::max(std::round(c.x / tenth), last + 1.0);
     const double v = std::clamp(at * tenth, axis.slowest, axis.fastest);
     const double force = 0.5 * (axis.friction(v) - axis.friction(-v));
-    points.push_back({at * tenth, axis.gain * std::stod(fmt::format("{:.2f}", force / axis.gain))});
+    points.push_back({at * tenth, axis.gain * number_in(fmt::format("{:.2f}", force / axis.gain))});
   }
   return points;
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/targets/steady/nearest_polyline.hpp>
 
 namespace stribeck::targets {
@@ -185,6 +186,6 @@ Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, 
   return joined(best, s, x, y);
 }
 
-double with_digits(double value, int digits) { return std::stod(fmt::format("{:.{}g}", value, digits)); }
+double with_digits(double value, int digits) { return number_in(fmt::format("{:.{}g}", value, digits)); }
 
 }  // namespace stribeck::targets

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/commissioning/parts.hpp>
@@ -17,12 +18,12 @@ namespace {
 constexpr double kRounding = 1e-6;
 constexpr std::size_t kDepth = 20000;  ///< of a sampler that is loaded here
 
-std::optional<double> number_in(RunningMachine& machine, const std::string& section, const std::string& key) {
+std::optional<double> number_of_ini(RunningMachine& machine, const std::string& section,
+                                    const std::string& key) {
   const std::vector<std::string> found = machine.ini(section, key);
   if (found.empty()) return std::nullopt;
-  char* end = nullptr;
-  const double value = std::strtod(found.front().c_str(), &end);
-  if (end == found.front().c_str() || !std::isfinite(value))
+  const double value = number_in(found.front());
+  if (!std::isfinite(value))
     throw Stopped(
         fmt::format("[{}]{} of the INI file: got {}, expected a number", section, key, found.front()));
   return value;
@@ -103,7 +104,7 @@ void narrow(RunningMachine& machine, RunningAxes& all, RunningAxis& axis) {
   const sim::AxisLimits described = axis.limits;
   const auto limit = [&](const std::string& section, const char* key, double sim::AxisLimits::*which,
                          double sign, const char* name, const char* unit) {
-    const std::optional<double> given = number_in(machine, section, key);
+    const std::optional<double> given = number_of_ini(machine, section, key);
     if (!given) return;
     const double value = *given * all.unit;
     double& own = axis.limits.*which;
@@ -146,7 +147,7 @@ void warn(RunningMachine& machine, RunningAxes& all, const RunningAxis& axis) {
     all.warnings.push_back(fmt::format(
         "axis {}: it has a load, and {}.brake is not connected: without another brake it falls when the machine is off",
         axis.name, axis.component));
-  const std::optional<double> ferror = number_in(machine, fmt::format("JOINT_{}", axis.joint), "FERROR");
+  const std::optional<double> ferror = number_of_ini(machine, fmt::format("JOINT_{}", axis.joint), "FERROR");
   const double own = value_in_hal(machine, axis.controller + ".ferror-limit");
   if (ferror && *ferror < own)
     all.warnings.push_back(fmt::format(
@@ -233,7 +234,7 @@ RunningAxes find_axes(RunningMachine& machine, const MachineDescription& descrip
   if (!(state.units_per_mm > 0.0)) throw Stopped("[TRAJ]LINEAR_UNITS is missing");
   all.unit = 1e-3 / state.units_per_mm;
   const std::string letters = coordinates_of(machine);
-  const std::optional<double> period = number_in(machine, "EMCMOT", "SERVO_PERIOD");
+  const std::optional<double> period = number_of_ini(machine, "EMCMOT", "SERVO_PERIOD");
   if (!period) throw Stopped("[EMCMOT]SERVO_PERIOD is missing (write it in nanoseconds, e.g. 1000000)");
   all.period = 1e-9 * *period;
   if (std::abs(all.period - description.sample_time) > 1e-3 * description.sample_time)

@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
@@ -25,8 +26,8 @@ std::optional<std::string> value_of(RunningMachine& machine, const std::string& 
 
 /// HAL prints seven digits.
 bool same_value(const std::string& a, const std::string& b) {
-  const double x = std::strtod(a.c_str(), nullptr);
-  const double y = std::strtod(b.c_str(), nullptr);
+  const double x = number_in(a);
+  const double y = number_in(b);
   if (std::isnan(x) || std::isnan(y)) return std::isnan(x) == std::isnan(y);
   return std::abs(x - y) <= 1e-6 * std::max(std::abs(x), std::abs(y));
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/text.hpp>
@@ -29,7 +30,7 @@ std::string reset_lines(Work& work, const RunningAxis& a, const std::string& lin
   std::string out;
   for (const HalItem& p : work.machine.parameters(a.controller + ".friction.*")) {
     const double initial = work.dialogue.initial_value(p.name.substr(a.controller.size() + 1));
-    const double now = std::strtod(p.value.c_str(), nullptr);
+    const double now = number_in(p.value);
     const bool same =
         std::isnan(initial) ? std::isnan(now) : std::abs(now - initial) <= 1e-6 * std::abs(initial);
     if (!same && set.count(p.name) == 0)

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/workflow/commissioning/parts.hpp>
 
@@ -141,7 +142,7 @@ void run_program(Work& work, const std::string& name, const std::string& gcode, 
 
 double value_in_hal(RunningMachine& machine, const std::string& name) {
   for (const HalItem& p : machine.parameters(name)) {
-    if (p.name == name) return std::strtod(p.value.c_str(), nullptr);
+    if (p.name == name) return number_in(p.value);
   }
   return kNaN;
 }

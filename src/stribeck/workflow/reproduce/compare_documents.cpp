@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/reproduce/compare_documents.hpp>
 
@@ -22,7 +23,7 @@ std::vector<Token> tokens(const std::string& text) {
     std::size_t end = i;
     if (digit(text[i])) {
       while (end < text.size() && (digit(text[end]) || text[end] == '.')) ++end;
-      all.push_back({text.substr(i, end - i), std::strtod(text.c_str() + i, nullptr)});
+      all.push_back({text.substr(i, end - i), number_in(std::string_view(text).substr(i))});
     } else {
       while (end < text.size() && !digit(text[end])) ++end;
       all.push_back({text.substr(i, end - i)});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/number_text.hpp>
 #include <stribeck/ident/drive/intervals/open_model.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/stats/linear.hpp>
@@ -26,7 +27,7 @@ constexpr Index kOfSide = 3;  // level, viscous, rise
 constexpr Index kFigures = 1 + map::kSides * kOfSide;
 
 /// Four digits, so that files can be read.
-double rounded(double x) { return std::stod(fmt::format("{:.4g}", x)) + 0.0; }  // no −0
+double rounded(double x) { return number_in(fmt::format("{:.4g}", x)) + 0.0; }  // no −0
 
 /// Mass and the points of the curve.
 struct Points {
