@@ -91,7 +91,7 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->type_name("NAME");
   verb.add_option(
           "--size", o.size,
-          "Radius of the circle, half width of the others; left out: 10 mm, on a machine of your own by its "
+          "Radius of the circle, half width of the eight, length of a leaf of the trifolium; left out: 10 mm, on a machine of your own by its "
           "travel")
       ->type_name("LENGTH");
   verb.add_option("--laps", o.laps, "Number of laps at constant speed; these laps are evaluated")

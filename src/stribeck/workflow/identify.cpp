@@ -380,7 +380,7 @@ bool tells_mass(Method method) {
          method != Method::kGravity;
 }
 
-/// A unit that is off by a thousand makes a mass that no feed drive moves.
+/// A unit that is off by a thousand makes a mass that few machines have.
 void doubt_size(ident::Result& r) {
   constexpr double kLightest = 1e-3, kHeaviest = 150e3;  // [kg]
   if (r.rotary || r.position_unit != "m" || r.force_unit != "N" || !std::isfinite(r.mass)) return;

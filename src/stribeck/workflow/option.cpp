@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -23,6 +24,20 @@ double option_si(const std::string& option, const std::string& text, const Quant
 double travel_si(const std::string& option, const std::string& text, const Quantity& quantity, bool rotary) {
   const std::optional<Quantity> turning = rotary ? io::rotary_quantity(quantity, text) : std::nullopt;
   return option_si(option, text, turning && io::is_convertible(text, *turning) ? *turning : quantity);
+}
+
+std::string of_one_turn(std::string text) {
+  const std::size_t slash = text.rfind('/');
+  if (slash == std::string::npos) return text;
+  std::string unit = io::lower_case(text.substr(slash + 1));
+  std::erase(unit, ' ');
+  for (const std::string_view turn : {"rev", "turn", "r", "u", "umdr", "revolution", "umdrehung"}) {
+    if (unit != turn) continue;
+    text.erase(slash);
+    text.erase(text.find_last_not_of(' ') + 1);
+    break;
+  }
+  return text;
 }
 
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,

@@ -23,6 +23,9 @@ double option_si(const std::string& option, const std::string& text, const Quant
 /// A length or speed along an axis; of a rotary axis it may be an angle, or the arc at a radius of 1 m.
 double travel_si(const std::string& option, const std::string& text, const Quantity& quantity, bool rotary);
 
+/// The travel of a turn without the words that say so: "5 mm/rev", "0.2 in / turn" and "10 mm/U" are 5 mm, 0.2 in and 10 mm.
+std::string of_one_turn(std::string text);
+
 /// The texts left and right of the first "=" of an option; both must be there; otherwise refused with what is `expected`.
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
                                            const std::string& expected);

@@ -10,6 +10,8 @@ namespace stribeck::ident::excitation {
 namespace {
 
 constexpr double kShortestFlank = 0.25;  ///< of the wanted one
+constexpr double kOfLimit = 0.5;         ///< of the acceleration that the axis may have
+constexpr double kRestBehind = 0.2;      ///< behind each triangle [s]
 
 }  // namespace
 
@@ -39,7 +41,7 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   double v = kReserve * limits.speed;
   double flank = design.flank;
   if (limits.acceleration > 0.0) {
-    const double most = 0.5 * limits.acceleration;
+    const double most = kOfLimit * limits.acceleration;
     // Where the travel is too short for the highest speed, a shorter flank makes more of both.
     if (v * flank > 0.95 * room) {
       v = std::min(v, std::sqrt(0.95 * room * most));  // higher speeds are not reached
@@ -48,7 +50,7 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
     flank = std::max(flank, v / most);
   }
   v = std::min(v, 0.95 * room / flank);  // both flanks together travel v·flank
-  check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + 0.2) / sample_time, sample_time,
+  check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + kRestBehind) / sample_time, sample_time,
              fmt::format("constant acceleration: {} triangles in each direction", design.repeats),
              "fewer repeats");
   const auto rows = static_cast<std::size_t>(std::ceil(flank / sample_time));
@@ -68,7 +70,7 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
         r += direction * v * std::min(up, 2.0 - up) * sample_time;
         e.r.push_back(r);
       }
-      for (double t = 0.0; t < 0.2; t += sample_time) e.r.push_back(r);
+      for (double t = 0.0; t < kRestBehind; t += sample_time) e.r.push_back(r);
     }
     r = design.start;
   }

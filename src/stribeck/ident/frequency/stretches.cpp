@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <stribeck/ident/frequency/stretches.hpp>
 #include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <utility>
 
 namespace stribeck::ident::frequency {
 namespace {
@@ -14,13 +16,6 @@ constexpr std::size_t kShortest = 64;  ///< rows of a stretch
 constexpr std::size_t kShortestRepeat = 32;
 constexpr double kRepeats = 0.01;  ///< of the spread of increments: what may differ after a period
 constexpr double kVaries = 1e-9;   ///< of the mean increment, squared
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Differences of x over `lag` rows about each row.
 std::vector<double> differences(const std::vector<double>& x, std::size_t lag) {
@@ -38,7 +33,7 @@ double median_size(const std::vector<double>& d) {
   for (const double v : d) {
     if (v != 0.0) sizes.push_back(std::abs(v));
   }
-  return median(std::move(sizes));
+  return sizes.empty() ? 0.0 : stats::median(std::move(sizes));
 }
 
 /// Increments of z, and their mean square about the mean.

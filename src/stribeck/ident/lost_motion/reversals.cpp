@@ -172,8 +172,8 @@ std::vector<std::vector<Row>> steady_rows(const std::vector<Positions>& runs, do
   return all;
 }
 
-/// Offset, scale error, delay, half the lost motion and its change along the travel, from all strokes but every i with i % groups ==
-/// `without`; and the share of the direction's column that the others do not explain.
+/// Offset, scale error, delay, half the lost motion and its change along the travel, from the strokes that `part` has; and the share of
+/// the direction's column that the others do not explain.
 struct SlidingFit {
   double half = 0.0;
   double told = 0.0;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFewestBlocks = 6;
 
-/// Number of passes; halved while there are too few.
+/// Block of each group: its pass; every block is halved until there are six.
 std::vector<int> blocks(const Rows& rows) {
   std::vector<int> block(rows.groups.size());
   for (std::size_t i = 0; i < block.size(); ++i) block[i] = rows.groups[i].block;

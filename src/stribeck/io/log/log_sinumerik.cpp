@@ -68,7 +68,7 @@ void note_units(Log& log, bool axes_known) {
                   : "; that holds for linear axes"));
 }
 
-/// The first row after a jump of the cycle counter.
+/// Notes how often the cycle counter jumps, and how many samples are missing.
 void note_jumps(Log& log, const std::vector<double>& cycle, double cycle_time_ms) {
   std::size_t jumps = 0;
   std::size_t first = 0;

@@ -87,10 +87,12 @@ int ChildProcess::end() {
 
 int ChildProcess::wait() {
   int status = 0;
-  while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
-  }
+  pid_t ended = -1;
+  do ended = ::waitpid(id_, &status, 0);
+  while (ended < 0 && errno == EINTR);
   id_ = -1;
-  return status;
+  // A program that ignores SIGCHLD is not told how its children end.
+  return ended < 0 ? -1 : status;
 }
 
 }  // namespace stribeck::io

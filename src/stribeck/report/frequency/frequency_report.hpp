@@ -7,6 +7,8 @@
 ///           "excess", "rule", "proposed", "with_notch", "present": {"omega_rad_per_s", "mass_kg", "stable", "phase_deg", "sure_phase_deg",
 ///           "gain_dB", "sure_gain_dB", "crossover_rad_per_s", "limit", "limit_Hz", "notch"} or null, "closed_loop_bandwidth_Hz",
 ///           "lines": [{…}], "answer", "warnings"}]}
+///          Where the scale of the force is not known, keys in kg and N are null, and the numbers stand under "mass", "viscous" and
+///          "gain", in the units of the log.
 ///
 /// Real time: no. Errors: io::InputError of files and of gnuplot.
 

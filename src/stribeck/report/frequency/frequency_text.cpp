@@ -262,10 +262,8 @@ nlohmann::ordered_json json_of(const std::optional<sim::Notch>& n) {
           {"width_Hz", 2.0 * n->damping * n->frequency / kPerTurn}};
 }
 
-nlohmann::ordered_json json_of(double omega, double mass, const MeasuredMargins& m) {
-  return {{"omega_rad_per_s", omega},
-          {"mass_kg", mass},
-          {"stable", m.stable},
+nlohmann::ordered_json margins_json(const MeasuredMargins& m) {
+  return {{"stable", m.stable},
           {"inside", m.inside},
           {"phase_deg", io::number_or_null(m.phase * kDegrees)},
           {"sure_phase_deg", io::number_or_null(m.sure_phase * kDegrees)},
@@ -274,9 +272,24 @@ nlohmann::ordered_json json_of(double omega, double mass, const MeasuredMargins&
           {"crossover_rad_per_s", m.crossover}};
 }
 
-nlohmann::ordered_json json_of(const LoopProposal& p, double mass) {
+/// A key with a unit; null where the scale of the force is not known, and then the number stands under the key without it, in the units
+/// of the log.
+void put_scaled(nlohmann::ordered_json& out, const char* name, const char* unit, bool physical,
+                const nlohmann::ordered_json& value, const nlohmann::ordered_json& plain) {
+  out[std::string(name) + "_" + unit] = physical ? value : nlohmann::ordered_json();
+  if (!physical) out[name] = plain;
+}
+
+nlohmann::ordered_json json_of(double omega, double mass, bool physical, const MeasuredMargins& m) {
+  nlohmann::ordered_json json{{"omega_rad_per_s", omega}};
+  put_scaled(json, "mass", "kg", physical, mass, mass);
+  json.update(margins_json(m));
+  return json;
+}
+
+nlohmann::ordered_json json_of(const LoopProposal& p, double mass, bool physical) {
   if (p.omega <= 0.0) return nullptr;
-  nlohmann::ordered_json json = json_of(p.omega, mass, p.margins);
+  nlohmann::ordered_json json = json_of(p.omega, mass, physical, p.margins);
   constexpr const char* kLimits[] = {"phase", "gain", "measured", "unstable"};
   json["limit"] = kLimits[static_cast<int>(p.limit)];
   json["limit_Hz"] = p.limit_at / kPerTurn;
@@ -288,17 +301,20 @@ nlohmann::ordered_json lines_json(const FrequencyAxis& a) {
   nlohmann::ordered_json lines = nlohmann::ordered_json::array();
   for (const Line& l : a.response.lines) {
     const bool closed = a.response.closed_loop;
-    lines.push_back(
-        {{"frequency_Hz", l.omega / kPerTurn},
-         {"gain_um_per_N", io::number_or_null(std::abs(l.plant) * 1e6)},
-         {"phase_deg", io::number_or_null(std::arg(l.plant) * kDegrees)},
-         {"half_width_percent", io::number_or_null(l.half_width * 100.0)},
-         {"determined", l.determined()},
-         {"force_coherence", io::number_or_null(l.force_coherence)},
-         {"motion_coherence", io::number_or_null(l.motion_coherence)},
-         {"closed_gain", closed ? io::number_or_null(std::abs(l.closed)) : nlohmann::ordered_json()},
-         {"closed_phase_deg",
-          closed ? io::number_or_null(std::arg(l.closed) * kDegrees) : nlohmann::ordered_json()}});
+    const double gain = std::abs(l.plant);
+    nlohmann::ordered_json line{{"frequency_Hz", l.omega / kPerTurn}};
+    put_scaled(line, "gain", "um_per_N", a.units.physical(), io::number_or_null(gain * 1e6),
+               io::number_or_null(gain));
+    line.update(nlohmann::ordered_json{
+        {"phase_deg", io::number_or_null(std::arg(l.plant) * kDegrees)},
+        {"half_width_percent", io::number_or_null(l.half_width * 100.0)},
+        {"determined", l.determined()},
+        {"force_coherence", io::number_or_null(l.force_coherence)},
+        {"motion_coherence", io::number_or_null(l.motion_coherence)},
+        {"closed_gain", closed ? io::number_or_null(std::abs(l.closed)) : nlohmann::ordered_json()},
+        {"closed_phase_deg",
+         closed ? io::number_or_null(std::arg(l.closed) * kDegrees) : nlohmann::ordered_json()}});
+    lines.push_back(std::move(line));
   }
   return lines;
 }
@@ -326,8 +342,11 @@ nlohmann::ordered_json to_json(const FrequencyReportInput& input) {
         {"force_unit", a.units.in_degrees() ? "N" : a.units.force},
         {"structure", enum_name(a.fit.plant.structure)},
         {"reason", a.fit.reason},
-        {"mass_kg", json_of(a.fit.mass)},
-        {"viscous_N_s_per_m", json_of(a.fit.viscous)},
+    };
+    const bool physical = a.units.physical();
+    put_scaled(one, "mass", "kg", physical, json_of(a.fit.mass), json_of(a.fit.mass));
+    put_scaled(one, "viscous", "N_s_per_m", physical, json_of(a.fit.viscous), json_of(a.fit.viscous));
+    one.update(nlohmann::ordered_json{
         {"delay_s", json_of(a.fit.delay)},
         {"antiresonance_Hz", json_of(a.fit.antiresonance, 1.0 / kPerTurn)},
         {"resonance_Hz", json_of(a.fit.resonance, 1.0 / kPerTurn)},
@@ -337,15 +356,15 @@ nlohmann::ordered_json to_json(const FrequencyReportInput& input) {
         {"misfit_percent", a.fit.misfit * 100.0},
         {"excess", a.fit.excess},
         {"rule", {{"phase_deg", a.rule.phase * kDegrees}, {"gain_dB", in_dB(a.rule.gain)}}},
-        {"proposed", json_of(a.proposed, a.fit.mass.value)},
+        {"proposed", json_of(a.proposed, a.fit.mass.value, physical)},
         {"with_notch", nullptr},
         {"present", nullptr},
         {"closed_loop_bandwidth_Hz", io::number_or_null(closed_loop_bandwidth(a))},
         {"lines", lines_json(a)},
         {"answer", answer_of(a)},
-        {"warnings", a.warnings}};
-    if (a.with_notch) one["with_notch"] = json_of(*a.with_notch, a.fit.mass.value);
-    if (a.present) one["present"] = json_of(a.present->omega, a.present->mass, a.present_margins);
+        {"warnings", a.warnings}});
+    if (a.with_notch) one["with_notch"] = json_of(*a.with_notch, a.fit.mass.value, physical);
+    if (a.present) one["present"] = json_of(a.present->omega, a.present->mass, physical, a.present_margins);
     json["axes"].push_back(std::move(one));
   }
   return json;

@@ -224,7 +224,7 @@ std::string shares_of(const HealthReportInput& input) {
   std::vector<std::string> words;
   if (forces)
     words.emplace_back(
-        "Changes of forces are shares of the friction level of the first test, of Coulomb friction of itself.");
+        "Changes of forces are shares of the friction level of the first test; of Coulomb friction of itself, at least of 30 % of that level; of viscous friction of itself where it is larger than the level.");
   if (circles)
     words.emplace_back(
         "Changes of a circle are shares of twice the value of the first test, at least of 2 um.");

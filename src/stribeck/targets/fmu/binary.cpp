@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
@@ -78,12 +79,19 @@ FmuBinary fmu_binary(const std::string& identifier, const std::vector<ZipFile>& 
     return out;
   }
   const char* const chosen = std::getenv("CC");
-  const std::string compiler = chosen == nullptr || *chosen == '\0' ? "cc" : chosen;
+  const bool has_one =
+      chosen != nullptr && std::string_view(chosen).find_first_not_of(" \t") != std::string_view::npos;
+  const std::string compiler = has_one ? chosen : "cc";
   const std::string library = folder / (identifier + ".so");
   // No fused multiplication: the force is that of the library to the last digits on every processor.
-  std::vector<std::string> words{compiler, "-std=c99", "-O2", "-ffp-contract=off",
-                                 "-fPIC",  "-shared",  "-s",  "-fvisibility=hidden",
-                                 "-o",     library};
+  std::vector<std::string> words;
+  // CC may be "ccache cc".
+  std::istringstream parts(compiler);
+  for (std::string part; parts >> part;) words.push_back(part);
+  for (const char* word :
+       {"-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-o"})
+    words.emplace_back(word);
+  words.push_back(library);
   for (const auto& [name, text] : sources) {
     // At once: write_atomically() waits for the end of the command.
     std::ofstream(folder / name, std::ios::binary) << text;
@@ -100,9 +108,11 @@ FmuBinary fmu_binary(const std::string& identifier, const std::vector<ZipFile>& 
   if (child.error() != 0) {
     out.why_not = fmt::format("the C compiler {} cannot be run: {}", io::in_quotes(compiler),
                               std::strerror(child.error()));
-  } else if (child.wait() != 0) {
-    out.why_not = fmt::format("the C compiler {} says: {}", io::in_quotes(compiler),
-                              io::one_line(io::read_text(folder / "messages"), kLongest));
+  } else if (const int status = child.wait(); status != 0) {
+    const std::string said = io::one_line(io::read_text(folder / "messages"), kLongest);
+    out.why_not = said.empty() ? fmt::format("the C compiler {} ended with status {} and no message",
+                                             io::in_quotes(compiler), status)
+                               : fmt::format("the C compiler {} says: {}", io::in_quotes(compiler), said);
   } else {
     out.bytes = io::read_text(library);
   }

@@ -110,7 +110,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   if (file.uncertainty) a.told_from = file.uncertainty->told_from;
   if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
   a.lead = o.lead.empty() ? kUnknown
-                          : travel_si("--lead", text_of_axis("--lead", o.lead, name),
+                          : travel_si("--lead", workflow::of_one_turn(text_of_axis("--lead", o.lead, name)),
                                       quantity("m", "mm").positive().at_most(100.0), a.rotary);
   std::tie(a.gain, a.unit) = gain_of(o, name, a.rotary, a.lead);
   const auto of_file = a.drive ? a.drive->encoder_resolution : std::nullopt;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kBootstrap = 0x626f6f74;
 constexpr std::uint64_t kDraws = 2000;
-constexpr std::size_t kEnoughForP99 = 368;
+constexpr std::size_t kEnoughForP99 = 368;  // machines: the fewest n with 0.99ⁿ ≤ 2.5 %
 
 /// Interpolated in the stated intervals; absent beyond their ends.
 std::optional<StatedPoint> stated_at(const std::vector<StatedPoint>& curve, double v) {

@@ -140,8 +140,9 @@ std::vector<std::string> warnings_of(const report::FrequencyAxis& a) {
         "the excitation has no period: lines are means over bands, and a resonance narrower than a band is drawn too low "
         "(stribeck excite --method multisine)");
   if (a.fit.plant.mass > 0.0 && !a.units.physical())
-    out.push_back(fmt::format("force is in {} and position in {}: the mass is in these units", a.units.force,
-                              a.units.position));
+    out.push_back(fmt::format(
+        "force is in {} and position in {}: the mass is in {} and not in kg (give --gain, the force of one {})",
+        a.units.force, a.units.position, a.units.named("kg"), a.units.force));
   return out;
 }
 

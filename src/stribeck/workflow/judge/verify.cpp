@@ -439,8 +439,8 @@ class Verification {
     notes.push_back(fmt::format(
         "{}: no run in open loop is shown: on this motion friction falls with speed for so long that an error of the velocity grows {}, however good the model is; judge by the error of the force",
         m.file,
-        one.drift.growth > 13.8 ? "more than a million times"
-                                : fmt::format("{:.0f} times", std::exp(one.drift.growth))));
+        one.drift.growth > std::log(1e6) ? "more than a million times"
+                                         : fmt::format("{:.0f} times", std::exp(one.drift.growth))));
     one.open = ident::replay::not_replayed(record);
     one.drift = {};
   }

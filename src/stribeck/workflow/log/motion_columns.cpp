@@ -47,8 +47,9 @@ bool counts_turns(const std::string& unit) {
   return std::abs(turns - 1.0) < 1e-9 || std::abs(60.0 * turns - 1.0) < 1e-9;
 }
 
-void take_lead(const std::string& lead, MotionColumns& motion) {
-  if (lead.empty()) return;
+void take_lead(const std::string& given, MotionColumns& motion) {
+  if (given.empty()) return;
+  const std::string lead = of_one_turn(given);
   const std::optional<double> angle = angle_of(lead);
   motion.rotary = angle.has_value();
   const double travel = angle ? *angle : option_si("--lead", lead, quantity("m", "mm").at_most(100.0));

@@ -222,9 +222,12 @@ void name_smoothed_force(const std::vector<Table>& tables, Notes& notes) {
   notes.add_all(
       "line", source, false,
       fmt::format(
-          "the force swings at {:.1f} Hz by {:.3g} whatever the speed, {:.0f} % of the Coulomb "
-          "friction: {}; it is not in the model",
-          line.hertz, line.amplitude, 100.0 * line.amplitude / std::abs(rough.coulomb),
+          "the force swings at {:.1f} Hz by {:.3g} whatever the speed, {}: {}; it is not in the model",
+          line.hertz, line.amplitude,
+          line.amplitude < std::abs(rough.coulomb)
+              ? fmt::format("{:.0f} % of the Coulomb friction",
+                            100.0 * line.amplitude / std::abs(rough.coulomb))
+              : fmt::format("more than the Coulomb friction of {:.3g}", std::abs(rough.coulomb)),
           mains < 0.5 ? "hum of the mains, or a vibration" : "a vibration from outside or of the axis"),
       {line.hertz, line.amplitude});
 }
