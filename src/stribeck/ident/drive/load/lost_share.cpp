@@ -66,6 +66,7 @@ Left left_by(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
 std::optional<LostShare> lost_share(const std::vector<log::Record>& records) {
   constexpr double kByMotion = 0.7;  // of the square that is left: a column of the motion alone
   constexpr double kByForce = 0.6;   // the same by the column of the force
+  constexpr double kNearlyAll = 0.25, kMuchBraking = 0.05;  // where the motion alone does not show it
   constexpr double kLeast = 0.01, kMost = 0.5;
   constexpr double kBraking = 0.01;  // of the rows
   constexpr double kAlike = 5.0;  // neighbours resemble each other: standard errors are that much too small
@@ -104,11 +105,16 @@ std::optional<LostShare> lost_share(const std::vector<log::Record>& records) {
   }
   const Left plain = left_by(X.leftCols(kColumns), f);
   X.col(kColumns) = of_motion;
-  if (!(left_by(X, f).rss < kByMotion * plain.rss)) return {};
+  const bool by_motion = left_by(X, f).rss < kByMotion * plain.rss;
   X.col(kColumns) = of_force;
   const Left with = left_by(X, f);
+  const bool by_force_alone =
+      with.rss<kNearlyAll * plain.rss&& static_cast<double>(braking)> kMuchBraking * all;
+  if (!by_motion && !by_force_alone) return {};
   if (!(with.rss < kByForce * plain.rss) || !(with.last > kLeast) || !(with.last < kMost)) return {};
-  return LostShare{with.last, 1.96 * kAlike * with.error};
+  // What else is in |f|, such as the build-up of friction after reversals, is no noise.
+  const double beside = by_motion ? 0.1 : 0.2;
+  return LostShare{with.last, std::hypot(1.96 * kAlike * with.error, beside * with.last)};
 }
 
 void as_driving(double share, log::Record& r) {

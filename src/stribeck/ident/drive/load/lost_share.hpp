@@ -7,7 +7,8 @@
 /// tells w: mass and friction alone want the same force for both. At constant speed w is a part of friction and cannot be told.
 ///
 /// w is looked for by least squares beside mass, load and a free curve of friction, on means over 20 ms. Believed only where a column
-/// |a|·sgn v, which knows nothing of the force, explains much of what is left as well: any force that is not in the model is in |f|.
+/// |a|·sgn v, which knows nothing of the force, explains much of what is left as well (any force that is not in the model is in |f|), or
+/// where |f|·sgn v explains nearly all of it and the axis brakes in a twentieth of the rows.
 /// Source: law of efficiency of machine elements. Not modelled: w that depends on speed or direction; losses by a load alone, without
 /// acceleration; losses beside a spring or an unbalance, which hide them. Real time: no. Errors: none.
 

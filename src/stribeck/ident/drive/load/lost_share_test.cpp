@@ -63,6 +63,30 @@ TEST(LostShare, IsNoneWhereNothingIsLost) {
   EXPECT_FALSE(lost_share({}));
 }
 
+// Two sines: the acceleration is hardly ever without speed, and |a|·sgn v tells little. The axis brakes in a seventh of the rows.
+TEST(LostShare, WhereTheMotionAloneDoesNotShowIt) {
+  for (const double share : {0.0, 0.12}) {
+    log::Record r;
+    r.sample_time = kPeriod;
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise;
+    for (int k = 0; k < 15000; ++k) {
+      const double t = kPeriod * k, slow = 2.0 * 0.7, fast = 2.0 * 2.1;
+      const double v = 0.15 * std::sin(slow * t) + 0.05 * std::sin(fast * t);
+      const double a = 0.15 * slow * std::cos(slow * t) + 0.05 * fast * std::cos(fast * t);
+      const double friction = std::copysign(120.0 + 600.0 * std::abs(v), v);
+      r.t.push_back(t);
+      r.x.push_back(-0.15 / slow * std::cos(slow * t) - 0.05 / fast * std::cos(fast * t));
+      r.f.push_back(at_motor(900.0 * a + friction, v, share) + noise(random));
+    }
+    const auto found = lost_share({r});
+    ASSERT_EQ(found.has_value(), share > 0.0);
+    if (found) {
+      EXPECT_NEAR(found->share, share, found->half_width);
+    }
+  }
+}
+
 // What is lost while driving is in the force that stays.
 TEST(LostShare, AsDrivingTheForceIsThatOfOneMass) {
   log::Record r = moves(0.1);
