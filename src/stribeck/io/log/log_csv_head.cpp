@@ -13,6 +13,14 @@
 namespace stribeck::io::detail {
 namespace {
 
+/// The number behind a name with its unit in brackets, with its dot or underscore: ".1" of "Time (s).1"; empty: there is none.
+std::string copy_number(const std::string& header) {
+  const std::size_t end = header.find_last_not_of("0123456789");
+  if (end == std::string::npos || end == 0 || end + 1 == header.size()) return {};
+  const bool joined = header[end] == '.' || header[end] == '_';
+  return joined && (header[end - 1] == ')' || header[end - 1] == ']') ? header.substr(end) : std::string();
+}
+
 class HeadReader {
  public:
   HeadReader(std::string_view all, const std::string& source, const CsvDialect& options)
@@ -213,6 +221,11 @@ class HeadReader {
         header = "column " + std::to_string(i + 1);
         note("column " + std::to_string(i + 1) + " has no name");
       }
+      // "Time (s).1" is a second "Time (s)", as pandas numbers it.
+      std::string copy = copy_number(header);
+      const std::string original = header.substr(0, header.size() - copy.size());
+      if (copy.empty() || !seen.contains(original)) copy.clear();
+      if (!copy.empty() && is_time_name(original)) header = original, copy.clear();
       const auto [hit, fresh] = seen.emplace(header, i);
       std::string again;  // behind a name that stands twice
       if (!fresh && is_time_name(header)) {
@@ -222,10 +235,11 @@ class HeadReader {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
-      const std::string split = with_unit_in_brackets(header, slashes, options_.unit_after_blank);
+      const std::string split =
+          with_unit_in_brackets(copy.empty() ? header : original, slashes, options_.unit_after_blank);
       head_.log.columns.push_back(column_of(split, head_.log.notes));
       head_.log.columns.back().header = header + again;
-      head_.log.columns.back().name += again;
+      head_.log.columns.back().name += copy + again;
     }
     // x_mm and x_um: what is left without the unit is no name.
     std::map<std::string, int> names;

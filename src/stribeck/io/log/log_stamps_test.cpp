@@ -279,5 +279,26 @@ TEST(LogStamps, DaysOfASpreadsheetAreSeen) {
   EXPECT_NE(parse_log(text, "s.csv").columns[0].unit_text, "d");
 }
 
+// pandas numbers a second column of a name: it was left out, and the force belonged to the times of the position.
+TEST(LogStamps, ASecondTimeThatPandasNumbered) {
+  std::string twice = "Time (s),x (mm),Time (s),F (N)\n", numbered = "Time (s),x (mm),Time (s).1,F (N)\n";
+  for (int k = 0; k < 300; ++k) {
+    const std::string row = std::to_string(0.001 * k) + "," + std::to_string(k) + "," +
+                            std::to_string(0.001 * k + 0.0355) + "," + std::to_string(2 * k) + "\n";
+    twice += row, numbered += row;
+  }
+  const Log a = parse(twice), b = parse(numbered);
+  ASSERT_EQ(a.columns.size(), b.columns.size());
+  for (std::size_t c = 0; c < a.columns.size(); ++c) {
+    EXPECT_EQ(a.columns[c].name, b.columns[c].name);
+    EXPECT_EQ(a.columns[c].unit_text, b.columns[c].unit_text);
+    EXPECT_EQ(a.columns[c].values, b.columns[c].values);
+  }
+  // A second torque keeps its number, and has its unit.
+  const Log torques = parse("t (s),M (Nm),M (Nm).1\n0,1,2\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(torques.columns[2].name, "M.1");
+  EXPECT_EQ(torques.columns[2].unit_text, torques.columns[1].unit_text);
+}
+
 }  // namespace
 }  // namespace stribeck::io::log_stamps_test

@@ -93,7 +93,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 76> k
 inline constexpr std::string_view kPeakAmpere = "0.70710678118654752 A";
 
 /// Spellings of units in controls, drives and their tools.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 131> kSpellings{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 138> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
@@ -165,6 +165,13 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 131> 
     {"%Tn", "%"},
     {"% Tn", "%"},
     {"% rated", "%"},
+    {"% Rated", "%"},
+    {"%Rated", "%"},
+    {"% Rated Torque", "%"},
+    {"%RatedTorque", "%"},
+    {"% nominal", "%"},
+    {"% Nominal", "%"},
+    {"A_peak", kPeakAmpere},
     {"%rated", "%"},
     {"% of rated", "%"},
     {"permil", "\u2030"},
