@@ -147,7 +147,7 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
                             const ident::replay::ForceError& e, const ident::log::Record& record) {
   constexpr double kMuch = 0.05;    // of the force
   constexpr double kNearly = 0.05;  // of it: a spring is as likely
-  if (!(e.own_relative > kMuch) || e.row.size() < 3) return {};
+  if (e.row.size() < 3) return {};
   const std::size_t n = e.row.size();
   std::vector<double> missed(n), place(n);
   double top = 0.0;
@@ -171,6 +171,9 @@ std::string missed_in_words(const std::string& file, const friction::AxisModel& 
   spring.share *= 1.0 - load.share;  // of all that is missed; its zero explains the share of the load
   const ident::Shown shown(record);
   const double best = std::max({load.share, mass.share, viscous.share, coulomb.share});
+  // What is little beside the whole force may be much of the mass.
+  const bool wrong_mass = best == mass.share && best > kShare && std::abs(mass.by) > kMuch * model.mass;
+  if (!(e.own_relative > kMuch) && !wrong_mass) return {};
   if (spring.share > kShare && spring.share > best - kNearly) {
     return fmt::format(
         "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance{} (identify this log); or a "

@@ -189,9 +189,13 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   }
   for (const ident::replay::RecordPhase& p : e.phases) {
     if (!p.differs) continue;
+    // What remains of a sine of which another of the same size is taken off.
+    const double left = 2.0 * std::abs(std::sin(0.5 * (p.found - p.stored)));
     warnings.push_back(fmt::format(
-        "{}: the periodic term of {} has the phase {:.2f} ± {:.2f} rad in this log and {:.2f} rad in the file (another homing position); with the stored phase a compensation would add to the force in place of taking it off",
-        file, shown.length(p.period), p.found, p.half_width, p.stored));
+        "{}: the periodic term of {} has the phase {:.2f} ± {:.2f} rad in this log and {:.2f} rad in the file (another homing position); with the stored phase a compensation would {}",
+        file, shown.length(p.period), p.found, p.half_width, p.stored,
+        left > 1.0 ? std::string("add to the force in place of taking it off")
+                   : fmt::format("leave {:.0f} % of it", 100.0 * left)));
   }
 }
 
