@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/utsname.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -110,9 +111,10 @@ FmuBinary fmu_binary(const std::string& identifier, const std::vector<ZipFile>& 
                               std::strerror(child.error()));
   } else if (const int status = child.wait(); status != 0) {
     const std::string said = io::one_line(io::read_text(folder / "messages"), kLongest);
-    out.why_not = said.empty() ? fmt::format("the C compiler {} ended with status {} and no message",
-                                             io::in_quotes(compiler), status)
-                               : fmt::format("the C compiler {} says: {}", io::in_quotes(compiler), said);
+    out.why_not = said.empty()
+                      ? fmt::format("the C compiler {} ended with code {} and no message",
+                                    io::in_quotes(compiler), WIFEXITED(status) ? WEXITSTATUS(status) : -1)
+                      : fmt::format("the C compiler {} says: {}", io::in_quotes(compiler), said);
   } else {
     out.bytes = io::read_text(library);
   }
