@@ -15,8 +15,10 @@ int main() {
   params.compensation.feedforward = control::Feedforward::kSteady;
   params.compensation.observer = control::Observer::kDisturbance;
   params.force_limit = 250.0;
-  if (const char* wrong = control::Pd::problem(params, kPeriod))
-    return std::fprintf(stderr, "%s\n", wrong), 1;
+  if (const char* wrong = control::Pd::problem(params, kPeriod)) {
+    std::puts(wrong);
+    return 1;
+  }
   const control::Pd controller(params, kPeriod);
   control::Pd::State state;
 
