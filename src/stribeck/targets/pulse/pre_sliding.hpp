@@ -2,13 +2,13 @@
 /// How the friction of a table comes back after a reversal, from the bristles of an axis file, for code that runs in a control. State and
 /// code are a few lines in any language: the targets write them out.
 ///
-///   friction = h·F(v)                                              F > 0 table at the commanded speed [N], h in −1 … 1
-///   at a reversal      h ← h·F_before/F                             the force stays, where the directions differ
-///   elastic stops      h = Σ h_i,  h_i ← h_i + 2·α_i·Δr/(ρ_i·F), at most α_i forward, at least −α_i backward
-///   one bristle        h ← s + (h − s)·exp(−|Δr|/(δ·F))            s = sgn Δr
+///   elastic stops      F = Σ f_i,  f_i ← f_i + 2·α_i·Δr/ρ_i, at most α_i·F(v) forward, at least −α_i·F(v) backward
+///   one bristle        f ← s·F(v) + (f − s·F(v))·exp(−|Δr|/(δ·F(v)))            s = sgn Δr
 ///
-///   Δr travel of the command in one period [m]; α_i weight and ρ_i reach of a stop, δ distance [m/N]: friction/dynamics.hpp
+///   F(v) > 0 table at the commanded speed, in the direction of the motion [N]; f force of a stop [N]; Δr travel of the command in one
+///   period [m]; α_i weight and ρ_i reach of a stop, δ distance [m/N]: friction/dynamics.hpp
 ///
+/// The state is a force, so that it stays at a reversal where the directions have other friction.
 /// The level of the bristles is the whole friction of the table. A change of the position against the velocity, where the position wraps or is
 /// set anew, and in the period of a reversal, counts as no travel.
 /// Not modelled: damping of the bristles; attraction of slipping stops.
@@ -21,37 +21,29 @@
 
 namespace stribeck::targets {
 
-/// h along a commanded motion; 0 at its beginning.
+/// The friction along a commanded motion; 0 at its beginning.
 class PreSliding {
  public:
-  /// After a travel [m] at a friction [N] that is above zero; `direction` of the last motion, ±1.
-  double step(const friction::BuildUp& law, double travel, double friction, double direction) noexcept {
-    if (friction > 0.0) {
-      if (direction == -direction_)
-        for (double& h : h_) h *= friction_ / friction;
-      direction_ = direction;
-      friction_ = friction;
-    }
-    if (travel != 0.0 && friction > 0.0) {
+  /// The friction [N] after a travel [m]; `level`: that of the table, above zero [N].
+  double step(const friction::BuildUp& law, double travel, double level) noexcept {
+    if (travel != 0.0 && level > 0.0) {
       for (std::size_t i = 0; i < law.stops.size(); ++i) {
         const friction::Stop& stop = law.stops[i];
-        const double moved = h_[i] + 2.0 * stop.weight * travel / (stop.reach * friction);
-        h_[i] = travel > 0.0 ? std::min(moved, stop.weight) : std::max(moved, -stop.weight);
+        const double moved = f_[i] + 2.0 * stop.weight * travel / stop.reach;
+        f_[i] = travel > 0.0 ? std::min(moved, stop.weight * level) : std::max(moved, -stop.weight * level);
       }
       if (law.stops.empty()) {
-        const double side = travel > 0.0 ? 1.0 : -1.0;
-        h_[0] = side + (h_[0] - side) * std::exp(-std::abs(travel) / (law.distance * friction));
+        const double sliding = travel > 0.0 ? level : -level;
+        f_[0] = sliding + (f_[0] - sliding) * std::exp(-std::abs(travel) / (law.distance * level));
       }
     }
     double all = 0.0;
-    for (const double h : h_) all += h;
+    for (const double f : f_) all += f;
     return all;
   }
 
  private:
-  std::array<double, friction::kMostStops> h_{};
-  double direction_ = 0.0;
-  double friction_ = 0.0;  ///< of the last period [N]
+  std::array<double, friction::kMostStops> f_{};  ///< [N]
 };
 
 }  // namespace stribeck::targets

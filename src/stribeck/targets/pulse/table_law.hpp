@@ -6,7 +6,7 @@
 ///
 ///   F force of the table [N], d build-up [m], t_a look-ahead [s]
 ///
-/// With bristles it is w = h of pre_sliding.hpp, and a force of the last direction at rest.
+/// With bristles the force is that of pre_sliding.hpp, which stays at rest.
 ///
 /// Source of the weights: ISG kernel, friction compensation (axis/352387467): in time before the reversal, in distance after it. That
 /// they are straight lines is assumed.
@@ -57,8 +57,8 @@ class TableCascade final : public AroundCascade {
     a.from = position;
     a.begun = true;
     constexpr double kSlow = 1e-12;  // of the last direction [m/s]
-    const double friction = std::abs(table.force(v != 0.0 ? v : a.direction * kSlow));
-    return a.bristles.step(*table.bristles, travel, friction, a.direction) * friction;
+    const double level = std::abs(table.force(v != 0.0 ? v : a.direction * kSlow));
+    return a.bristles.step(*table.bristles, travel, level);
   }
 
   double weight(std::size_t i, double position, double v, double acceleration) {

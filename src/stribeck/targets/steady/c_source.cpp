@@ -41,46 +41,39 @@ std::string force_with_memory(const std::string& axis, const friction::BuildUp& 
           "struct {0}_memory {{\n"
           "  int begun, backward;\n"
           "  double before;    /* m */\n"
-          "  double built[{1}]; /* -1 to 1 in sum */\n"
-          "  double level;     /* N */\n"
+          "  double built[{1}]; /* N */\n"
           "}};\n"
           "/* Force [N] for a motion of the command: acceleration [m/s2]. Once in every cycle, also at standstill. */\n"
           "static double {0}_force(struct {0}_memory *m, double acceleration, double velocity, double position) {{\n"
           "  const double change = position - m->before;\n"
           "  /* A position that wraps, or is set anew, goes against the velocity. */\n"
           "  const double travel = m->begun && change * velocity > 0.0 ? change : 0.0;\n"
-          "  const int turns = m->backward ? velocity > 0.0 : velocity < 0.0;\n"
-          "  double level, other, share = 0.0;\n"
+          "  double level, other, friction = 0.0;\n"
           "  m->begun = 1;\n"
           "  m->before = position;\n"
           "  if (velocity != 0.0) m->backward = velocity < 0.0;\n"
-          "  {0}_parts(velocity, m->backward, position, &level, &other);\n"
-          "  /* The force stays at a reversal, also where the friction of the other direction is another one. */\n"
-          "  if (turns && level > 0.0)\n"
-          "    for (int i = 0; i < {1}; ++i) m->built[i] *= m->level / level;\n"
-          "  if (level > 0.0) m->level = level;\n",
+          "  {0}_parts(velocity, m->backward, position, &level, &other);\n",
           axis, count);
   if (bristles.stops.empty()) {
     out += fmt::format(
         "  if (level > 0.0 && travel != 0.0) {{\n"
-        "    const double side = travel > 0.0 ? 1.0 : -1.0;\n"
-        "    m->built[0] = side + (m->built[0] - side) * exp(-fabs(travel) / ({0}_distance * level));\n"
+        "    const double sliding = travel > 0.0 ? level : -level;\n"
+        "    m->built[0] = sliding + (m->built[0] - sliding) * exp(-fabs(travel) / ({0}_distance * level));\n"
         "  }}\n"
-        "  share = m->built[0];\n",
+        "  friction = m->built[0];\n",
         axis);
   } else {
     out += fmt::format(
         "  for (int i = 0; i < {1}; ++i) {{\n"
         "    if (level > 0.0) {{\n"
-        "      const double most = {0}_weight[i], now = m->built[i] + {0}_stiffness[i] * travel / level;\n"
+        "      const double most = {0}_weight[i] * level, now = m->built[i] + {0}_stiffness[i] * travel;\n"
         "      m->built[i] = travel > 0.0 && now > most ? most : travel < 0.0 && now < -most ? -most : now;\n"
         "    }}\n"
-        "    share += m->built[i];\n"
+        "    friction += m->built[i];\n"
         "  }}\n",
         axis, count);
   }
-  return out +
-         fmt::format("  return {0}_mass * acceleration + share * level + other + {0}_load;\n}}\n", axis);
+  return out + fmt::format("  return {0}_mass * acceleration + friction + other + {0}_load;\n}}\n", axis);
 }
 
 Form write_c(const Axis& axis) {

@@ -33,43 +33,30 @@ std::string built_up(const friction::BuildUp& bristles) {
       "  travel := 0.0;\n"
       "END_IF;\n"
       "begun := TRUE;\n"
-      "before := position;\n"
-      // The force stays at a reversal, also where the friction of the other direction is another one.
-      "IF level > 0.0 THEN\n"
-      "  IF forward <> was_forward THEN\n";
-  out += bristles.stops.empty() ? std::string("    h := h * level_before / level;\n")
-                                : fmt::format(
-                                      "    FOR i := 0 TO {} DO\n"
-                                      "      stop[i] := stop[i] * level_before / level;\n"
-                                      "    END_FOR;\n",
-                                      bristles.stops.size() - 1);
-  out +=
-      "  END_IF;\n"
-      "  was_forward := forward;\n"
-      "  level_before := level;\n"
-      "END_IF;\n";
+      "before := position;\n";
+  // The state is a force: it stays at a reversal, also where the friction of the other direction is another one.
   if (bristles.stops.empty())
     return out +
            "IF level > 0.0 AND travel > 0.0 THEN\n"
-           "  h := 1.0 + (h - 1.0) * EXP(-travel / (distance * level));\n"
+           "  built := level + (built - level) * EXP(-travel / (distance * level));\n"
            "ELSIF level > 0.0 AND travel < 0.0 THEN\n"
-           "  h := -1.0 + (h + 1.0) * EXP(travel / (distance * level));\n"
+           "  built := -level + (built + level) * EXP(travel / (distance * level));\n"
            "END_IF;\n"
-           "level := h * level;\n";
+           "level := built;\n";
   return out + fmt::format(
-                   "h := 0.0;\n"
+                   "built := 0.0;\n"
                    "FOR i := 0 TO {} DO\n"
                    "  IF level > 0.0 THEN\n"
-                   "    stop[i] := stop[i] + stiffness[i] * travel / level;\n"
+                   "    stop[i] := stop[i] + stiffness[i] * travel;\n"
                    "    IF travel > 0.0 THEN\n"
-                   "      stop[i] := MIN(stop[i], weight[i]);\n"
+                   "      stop[i] := MIN(stop[i], weight[i] * level);\n"
                    "    ELSIF travel < 0.0 THEN\n"
-                   "      stop[i] := MAX(stop[i], -weight[i]);\n"
+                   "      stop[i] := MAX(stop[i], -weight[i] * level);\n"
                    "    END_IF;\n"
                    "  END_IF;\n"
-                   "  h := h + stop[i];\n"
+                   "  built := built + stop[i];\n"
                    "END_FOR;\n"
-                   "level := h * level;\n",
+                   "level := built;\n",
                    bristles.stops.size() - 1);
 }
 
@@ -115,7 +102,7 @@ std::string block_of(const Axis& axis, const SourceTables& tables, const std::st
       "  s, level, other, F : LREAL;\n",
       n, type);
   if (bristles) {
-    out += "  begun, was_forward : BOOL;\n  before, travel, h, level_before : LREAL;\n";
+    out += "  begun : BOOL;\n  before, travel, built : LREAL;\n";
     if (!bristles->stops.empty())
       out += fmt::format("  stop : ARRAY[0..{}] OF LREAL;\n", bristles->stops.size() - 1);
   }

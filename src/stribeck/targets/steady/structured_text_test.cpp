@@ -188,6 +188,24 @@ TEST(StructuredText, TheForceStaysAtAReversalToAnotherLevel) {
       });
 }
 
+// Small motion to and fro on a proportional term, for 20 s: the strain of the bristles does not creep away.
+TEST(StructuredText, TheForceDoesNotDriftWhereTheLevelDependsOnThePlace) {
+  SteadyExport x(
+      "mass = \"100 kg\"\n[friction.steady]\nkind = \"gaussian\"\nvelocity_range = [\"-100 mm/s\", \"100 mm/s\"]\n"
+      "positive = { eta0 = \"40 N\", eta1 = \"0 N s/mm\" }\nnegative = { eta0 = \"-120 N\", eta1 = \"0 N s/mm\" }\n"
+      "[[friction.eccentric]]\namplitude = \"30 N\"\nperiod = \"10 mm\"\nphase = \"0 rad\"\nform = \"proportional\"\n"
+      "[friction.dynamics]\nkind = \"gms\"\nattraction = \"1e9 N/s\"\nelements = [{ stiffness = \"3 N/mm\", share = 1.0 }]\n");
+  std::vector<Sample> motion;
+  for (int k = 0; k < 20000; ++k) {
+    const double w = 2.0 * kPi * 10.0, t = 1e-3 * k;
+    motion.push_back({0.0, 5e-6 * w * std::cos(w * t), 1e-3 + 5e-6 * std::sin(w * t)});
+  }
+  const std::vector<double> force = run(x, "structured-text", motion);
+  // 3 N/mm over 10 um: far below every level.
+  const auto [low, high] = std::minmax_element(force.begin() + 100, force.end());
+  EXPECT_LT(*high - *low, 0.05);
+}
+
 // A turntable whose position begins anew in each turn, and an axis whose position is set anew at rest.
 TEST(StructuredText, AJumpOfThePositionIsNoTravel) {
   const std::string bristle = "[friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"800 N/mm\"\n";
