@@ -244,10 +244,12 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   double width = 0.0;
   int count = 0;
   int clear = 0;
-  bool in_play = false;
+  const bool any_seen = std::any_of(peaks.begin(), peaks.end(), [&](const QuadrantPeak& p) {
+    return p.axis == axis && !p.in_play && std::abs(p.height) > 2.0 * p.half_width_95;
+  });
   for (const QuadrantPeak& p : peaks) {
-    if (p.axis != axis) continue;
-    in_play = in_play || p.in_play;
+    // A top that the play hides says less than one that is seen.
+    if (p.axis != axis || (p.in_play && any_seen)) continue;
     sum += p.height;
     squares += p.height * p.height;
     noise = std::max(noise, p.half_width_95);
@@ -259,6 +261,9 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   if (count == 0) return out;
   out.size = sum / count;
   const double spread = count > 1 ? std::max(0.0, squares - sum * sum / count) / (count - 1) : 0.0;
+  const bool in_play = !any_seen && std::any_of(peaks.begin(), peaks.end(), [&](const QuadrantPeak& p) {
+    return p.axis == axis && p.in_play;
+  });
   // Tops that lie in the play, and what a top has between rows, are not chance: more reversals do not make them smaller.
   constexpr double kBetweenRows = 0.03;
   const double of_one = std::hypot(noise, 1.96 * std::sqrt(spread));
@@ -266,6 +271,9 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   out.half_width = std::hypot(in_play ? of_one : of_mean, kBetweenRows * out.size);
   out.effect = std::abs(out.size);
   out.found = 2 * clear > count && std::abs(out.size) > of_mean;
+  // A spike that is there may be higher than the play shows, but is not none.
+  constexpr double kThere = 0.9;
+  if (in_play && out.found) out.half_width = std::min(out.half_width, kThere * std::abs(out.size));
   const std::array<PeaksAtEnd, 2> ends = peaks_at_ends(peaks, axis);
   if (const Cause alone = spike_at_one_end(ends, axis); alone.found) return alone;
   tell_opposite_ends(ends, out);

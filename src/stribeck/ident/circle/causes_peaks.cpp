@@ -238,7 +238,8 @@ std::optional<FinePeak> fine_peak(const std::vector<PassingSamples::Sample>& sam
       const double next =
           std::min(at > 0 && std::isfinite(mean[at - 1]) ? std::abs(mean[at - 1]) : HUGE_VAL,
                    at + 1 < cells && std::isfinite(mean[at + 1]) ? std::abs(mean[at + 1]) : HUGE_VAL);
-      half_width = std::hypot(half_width, 0.5 * std::max(0.0, std::abs(top.height) - next));
+      half_width = std::hypot(half_width,
+                              0.5 * std::max(0.0, std::abs(top.height) - (std::isfinite(next) ? next : 0.0)));
     }
     out = {top.height, half_width, from + top.at * cell,
            whole ? static_cast<double>(high - low + 1) * cell : std::numeric_limits<double>::quiet_NaN()};
@@ -453,9 +454,13 @@ double rest_beside_peaks(const CauseRows& rows, const std::vector<double>& rest,
   return count > 0 ? std::sqrt(square / count) : HUGE_VAL;
 }
 
-/// Whether the angle behind a reversal was travelled: an arc begins anywhere in its quadrant.
+/// Whether the angle behind a reversal was travelled, from its first degree on: an arc begins anywhere in its quadrant.
 bool covers_reversal(const Profile& p, double step) {
-  constexpr double kBehind = 10.0 * kPi / 180.0;
+  constexpr double kBehind = 10.0 * kPi / 180.0, kFirst = kPi / 180.0;
+  const auto first = std::clamp<std::size_t>(static_cast<std::size_t>(kFirst / step), 3, p.mean.size());
+  if (std::none_of(p.mean.begin(), p.mean.begin() + static_cast<std::ptrdiff_t>(first),
+                   [](double v) { return std::isfinite(v); }))
+    return false;
   const auto all = std::clamp<std::size_t>(static_cast<std::size_t>(kBehind / step), 1, p.mean.size());
   const auto there = std::count_if(p.mean.begin(), p.mean.begin() + static_cast<std::ptrdiff_t>(all),
                                    [](double v) { return std::isfinite(v); });

@@ -175,7 +175,15 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
           rows.axes[axis], fit.windows[axis] * 180.0 / kPi));
   }
   for (const int axis : {0, 1}) {
-    if (std::any_of(peaks.begin(), peaks.end(),
+    const bool found = std::any_of(causes.begin(), causes.end(), [&](const Cause& c) {
+      return c.kind == CauseKind::kReversalSpike && c.axis == axis && c.found;
+    });
+    if (found &&
+        std::all_of(peaks.begin(), peaks.end(),
+                    [&](const QuadrantPeak& p) {
+                      return p.axis != axis || p.in_play || std::abs(p.height) < 2.0 * p.half_width_95;
+                    }) &&
+        std::any_of(peaks.begin(), peaks.end(),
                     [&](const QuadrantPeak& p) { return p.axis == axis && p.in_play; }))
       out.push_back(fmt::format(
           "spikes of {} have their top where the axis crosses its play, between rows or hidden by it: they are at least as high as stated; "

@@ -346,8 +346,10 @@ std::vector<double> half_widths(const std::vector<double>& own, double freedom) 
 
 /// The coherence of two noises is beyond this in one line of a hundred. In a closed loop both signals are then the noise of the encoder
 /// through the controller: their ratio scatters little, and is that of the controller, not of the plant.
-double coherence_by_chance(std::size_t units) {
-  return units < 2 ? 1.0 : 1.0 - std::pow(0.01, 1.0 / (static_cast<double>(units) - 1.0));
+double coherence_by_chance(std::size_t segments) {
+  constexpr double kIndependent = 0.9;  // of the segments, which overlap
+  const double parts = kIndependent * static_cast<double>(segments);
+  return parts < 2.0 ? 1.0 : 1.0 - std::pow(0.01, 1.0 / (parts - 1.0));
 }
 
 void fill_lines(Response& out, const std::vector<std::size_t>& bins, const Table& table, const Plan& plan,
@@ -380,7 +382,7 @@ void fill_lines(Response& out, const std::vector<std::size_t>& bins, const Table
   const double freedom = 2.0 * (static_cast<double>(out.units) - 1.0) * (overlapping ? 0.9 : 1.0);
   const std::vector<double> plant = half_widths(plant_variance, freedom);
   const std::vector<double> closed = half_widths(closed_variance, freedom);
-  const double chance = coherence_by_chance(out.units);
+  const double chance = coherence_by_chance(out.segments);
   for (std::size_t i = 0; i < out.lines.size(); ++i) {
     const bool excited = std::min(out.lines[i].force_coherence, out.lines[i].motion_coherence) > chance;
     out.lines[i].half_width = excited ? plant[i] : std::max(plant[i], 1.0);

@@ -80,6 +80,22 @@ TEST(Response, TheNoiseOfTheEncoderThroughTheControllerIsNoPlant) {
   EXPECT_GT(noise, 5);
 }
 
+// Four strokes of twelve periods: chance goes by the segments, of which there are many, not by the strokes; all lines were left out.
+TEST(Response, LinesOfFewStrokesWithManyPeriodsCount) {
+  TwoMass p;
+  p.drive = 100.0, p.table = 0.0, p.friction = 10.0, p.noise = 20.0, p.fed = 0.0;
+  excitation::MultisineDesign design;
+  design.period = 0.5, design.lowest = 4.0, design.highest = 100.0;
+  design.periods = 12, design.repeats = 2, design.speed = 0.03;
+  const std::vector<double> r =
+      excitation::design_multisine({-0.3, 0.3, 0.05, 1.0, 500.0}, {100.0, 10.0, 0.0}, p.period, design).r;
+  const Response response = estimate({recorded(p, r, 1)});
+  const auto sound = std::count_if(response.lines.begin(), response.lines.end(),
+                                   [](const Line& l) { return l.determined(); });
+  EXPECT_GT(2 * sound, static_cast<std::ptrdiff_t>(response.lines.size()))
+      << response.stretches << " strokes, " << response.segments << " segments";
+}
+
 // A pure delay in its place made masses 2 to 8 % too large, with intervals of 0.4 %.
 TEST(Response, ACurrentLoopOfFirstOrderIsNoMass) {
   const std::vector<double> r = short_multisine(1e-3, 2);
