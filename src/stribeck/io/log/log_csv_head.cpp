@@ -13,12 +13,11 @@
 namespace stribeck::io::detail {
 namespace {
 
-/// The number behind a name with its unit in brackets, with its dot or underscore: ".1" of "Time (s).1"; empty: there is none.
+/// The number behind a name, with its dot or underscore: ".1" of "Time (s).1"; empty: there is none.
 std::string copy_number(const std::string& header) {
   const std::size_t end = header.find_last_not_of("0123456789");
   if (end == std::string::npos || end == 0 || end + 1 == header.size()) return {};
-  const bool joined = header[end] == '.' || header[end] == '_';
-  return joined && (header[end - 1] == ')' || header[end - 1] == ']') ? header.substr(end) : std::string();
+  return header[end] == '.' || header[end] == '_' ? header.substr(end) : std::string();
 }
 
 class HeadReader {
@@ -224,7 +223,9 @@ class HeadReader {
       // "Time (s).1" is a second "Time (s)", as pandas numbers it.
       std::string copy = copy_number(header);
       const std::string original = header.substr(0, header.size() - copy.size());
-      if (copy.empty() || !seen.contains(original)) copy.clear();
+      const bool bracket = original.ends_with(')') || original.ends_with(']');
+      const bool second_time = copy.starts_with('.') && is_time_name(original);
+      if (copy.empty() || !seen.contains(original) || !(bracket || second_time)) copy.clear();
       if (!copy.empty() && is_time_name(original)) header = original, copy.clear();
       const auto [hit, fresh] = seen.emplace(header, i);
       std::string again;  // behind a name that stands twice

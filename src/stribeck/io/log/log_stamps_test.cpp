@@ -298,6 +298,9 @@ TEST(LogStamps, ASecondTimeThatPandasNumbered) {
   const Log torques = parse("t (s),M (Nm),M (Nm).1\n0,1,2\n1,2,3\n2,3,4\n");
   EXPECT_EQ(torques.columns[2].name, "M.1");
   EXPECT_EQ(torques.columns[2].unit_text, torques.columns[1].unit_text);
+  // Without units the unit of the second one is not known, and that is said.
+  EXPECT_THAT([] { parse("Time,x [mm],Time.1,F [N]\n0,1,0.5,2\n1,2,1.5,3\n2,3,2.5,4\n"); },
+              ThrowsMessage<InputError>(HasSubstr("hold different times")));
 }
 
 }  // namespace

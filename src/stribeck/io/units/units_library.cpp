@@ -27,7 +27,6 @@ using Unit = std::unique_ptr<ut_unit, FreeUnit>;
 
 [[noreturn]] void fail_unit(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
 
-/// The units system. udunits2 keeps state while it parses, so every call locks the mutex.
 /// Numbers have a decimal point in this thread as long as it lives: the units library reads its database and "2.5 mm" in the locale of
 /// the program.
 class PointLocale {
@@ -45,6 +44,7 @@ class PointLocale {
   locale_t before_;
 };
 
+/// The units system. udunits2 keeps state while it parses, so every call locks the mutex.
 class Units {
  public:
   static Units& instance() {
