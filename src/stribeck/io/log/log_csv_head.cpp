@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_csv_head.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
